@@ -1,0 +1,1 @@
+"""The program: composes widgets and processing into windows, commands, devices and jobs."""

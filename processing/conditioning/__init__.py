@@ -1,0 +1,1 @@
+"""Filters for slow scalar channels: Kalman, FIR and their cascades (P2)."""

@@ -1,0 +1,74 @@
+"""The two families of errors: what the user can mend (:class:`LeaklineError`), and all else, which is our bug."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+
+class ErrorCode(StrEnum):
+    """What went wrong; the sentence for each stands in the ``[errors]`` table of ``resources/messages/*.toml``."""
+
+    FILE_MISSING = "file_missing"
+    FILE_UNREADABLE = "file_unreadable"
+    FILE_EMPTY = "file_empty"
+    FILE_TOO_LARGE = "file_too_large"
+    FORMAT_UNKNOWN = "format_unknown"
+    TEXT_NOT_A_TABLE = "text_not_a_table"
+    COLUMN_MISSING = "column_missing"
+    VALUE_NOT_A_NUMBER = "value_not_a_number"
+    TOO_FEW_SAMPLES = "too_few_samples"
+    TOML_INVALID = "toml_invalid"
+    SETTING_UNKNOWN = "setting_unknown"
+    SETTING_INVALID = "setting_invalid"
+    NO_IMU = "no_imu"
+    AUDIO_UNREADABLE = "audio_unreadable"
+    AUDIO_NEEDS_FORM = "audio_needs_form"
+    AUDIO_PARTS_DIFFER = "audio_parts_differ"
+    DISC_FULL = "disc_full"
+    CANNOT_WRITE = "cannot_write"
+    NOT_A_SURVEY = "not_a_survey"
+    SURVEY_LOCKED = "survey_locked"
+    SURVEY_NEWER = "survey_newer"
+    SURVEY_DAMAGED = "survey_damaged"
+    SURVEY_READ_ONLY = "survey_read_only"
+    CRS_UNKNOWN = "crs_unknown"
+    TIE_POINTS_IMPOSSIBLE = "tie_points_impossible"
+    REPORT_FAILED = "report_failed"
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where in which file: ``line`` and ``column`` count from 1, ``byte`` from 0."""
+
+    path: Path
+    line: int | None = None
+    column: int | None = None
+    byte: int | None = None
+
+    def __str__(self) -> str:
+        parts = [str(self.path)]
+        if self.line is not None:
+            parts.append(f"line {self.line}")
+        if self.column is not None:
+            parts.append(f"column {self.column}")
+        if self.byte is not None:
+            parts.append(f"byte {self.byte}")
+        return ", ".join(parts)
+
+
+class LeaklineError(Exception):
+    """Something that the user can mend: a bad file, a full disc, a locked survey.
+
+    ``params`` fill the placeholders of the sentence of ``code``; :func:`processing.messages.error_sentence` makes it.
+    """
+
+    def __init__(self, code: ErrorCode, place: Place | None = None, **params: str | float) -> None:
+        self.code = code
+        self.place = place
+        self.params = params
+        details = ", ".join(f"{k}={v}" for k, v in params.items())
+        super().__init__(f"{code.value}{f' at {place}' if place else ''}{f' ({details})' if details else ''}")
+
+
+class Cancelled(Exception):  # noqa: N818  # not an error: the operator's wish
+    """The operator stopped the work; nothing is left half-written."""

@@ -1,0 +1,1 @@
+"""Calibration, then attitude: one module an estimator, one registry."""

@@ -1,0 +1,1 @@
+"""From attitude to a track: odometry, standstills, and the fit to what is known, with its interval."""

@@ -1,0 +1,1 @@
+"""What leaves the program: tables, GIS files, figures and the PDF report."""

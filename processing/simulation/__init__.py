@@ -1,0 +1,1 @@
+"""Physically honest runs with known truth, for the demonstration, training and tests."""
