@@ -32,6 +32,8 @@ class ErrorCode(StrEnum):
     SURVEY_DAMAGED = "survey_damaged"
     SURVEY_READ_ONLY = "survey_read_only"
     CRS_UNKNOWN = "crs_unknown"
+    LAUNCH_INCOMPLETE = "launch_incomplete"
+    LAUNCH_INVALID = "launch_invalid"
     TIE_POINTS_IMPOSSIBLE = "tie_points_impossible"
     REPORT_FAILED = "report_failed"
 
