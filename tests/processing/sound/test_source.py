@@ -48,15 +48,15 @@ def whole(source):
         (".wav", "PCM_24", 1e-6),
         (".wav", "FLOAT", 0),
         (".wav", "ULAW", 0.03),
-        (".wav", "IMA_ADPCM", 0.3),
+        (".wav", "IMA_ADPCM", None),
         (".flac", "PCM_16", 3.2e-5),
         (".w64", "PCM_16", 3.2e-5),
         (".rf64", "PCM_24", 1e-6),
         (".caf", "PCM_16", 3.2e-5),
         (".aiff", "PCM_16", 3.2e-5),
         (".au", "PCM_16", 3.2e-5),
-        (".ogg", "VORBIS", 0.6),
-        (".mp3", "MPEG_LAYER_III", 0.6),
+        (".ogg", "VORBIS", None),
+        (".mp3", "MPEG_LAYER_III", None),
     ],
 )
 def test_what_soundfile_wrote_is_read_back(tmp_path, suffix, subtype, tolerance):
@@ -68,9 +68,11 @@ def test_what_soundfile_wrote_is_read_back(tmp_path, suffix, subtype, tolerance)
     assert (source.sample_rate_hz, source.channels) == (RATE, 2)
     read = whole(source)
     assert read.dtype == np.float32
-    assert abs(len(read) - len(samples)) <= (2400 if suffix in (".mp3", ".wav") else 0)
-    if suffix != ".mp3":
-        np.testing.assert_allclose(read[: len(samples)], samples[:, 1], atol=tolerance)
+    assert abs(len(read) - len(samples)) <= (2400 if tolerance is None else 0)
+    if tolerance is not None:
+        np.testing.assert_allclose(read, samples[:, 1], atol=tolerance)
+    elif suffix != ".mp3":  # which delays what it stores
+        assert np.corrcoef(read[: len(samples)], samples[:, 1])[0, 1] > 0.95
 
 
 @pytest.mark.parametrize(
