@@ -1,0 +1,351 @@
+"""Runs, their candidates, and the operator's decisions: append-only, logged, on disc before the call returns.
+
+The state of the decisions is always what replaying the log from its start gives (:func:`replay`).
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from enum import StrEnum
+from sqlite3 import Connection
+
+from processing.errors import ErrorCode, LeaklineError, Place
+from processing.storage.carrying import partners
+from processing.storage.database import Database, Row
+from processing.storage.plain import from_json, to_json
+from processing.survey import Candidate, Decision, Params, Run
+
+UNDECIDED = Decision()
+
+
+class Reason(StrEnum):
+    """Why a row of the decision log was written."""
+
+    DECIDE = "decide"
+    UNDO = "undo"
+    REDO = "redo"
+    CARRY = "carry"  # a new run found the same candidate again
+    ADD = "add"  # the operator marked a place himself
+    WITHDRAW = "withdraw"  # … and took the mark back
+    REINSTATE = "reinstate"  # … and put it there again
+
+
+@dataclass(frozen=True)
+class LogEntry:
+    """One row of the decision log; ids grow, whatever the computer's clock does."""
+
+    id: int
+    at_utc: str
+    operator: str
+    reason: Reason
+    candidate_id: int
+    before: Decision
+    after: Decision
+
+
+@dataclass(frozen=True)
+class StoredRun:
+    """A run as stored: candidates with their database ids, and what became of the earlier decisions.
+
+    ``carried`` is new id → old id; ``is_new`` is False where the latest run was the same and has been kept.
+    """
+
+    run: Run
+    candidates: tuple[Candidate, ...]
+    carried: dict[int, int]
+    is_new: bool = True
+
+
+@dataclass(frozen=True)
+class Orphan:
+    """A decision whose candidate the latest run did not find again."""
+
+    candidate: Candidate
+    run_id: int
+    decision: Decision
+
+
+class ReviewStore:
+    """The review in a survey database. All ids are the database's own, unique over all runs."""
+
+    def __init__(self, database: Database) -> None:
+        self._db = database
+
+    # --- runs and candidates
+
+    def runs(self) -> tuple[Run, ...]:
+        """Return all runs, oldest first."""
+        rows = self._db.rows("SELECT id, created_utc, settings_hash, versions FROM runs ORDER BY id")
+        return tuple(self._run(row) for row in rows)
+
+    def latest_run(self) -> Run | None:
+        """Return the newest run, None before the first."""
+        row = self._db.one("SELECT id, created_utc, settings_hash, versions FROM runs ORDER BY id DESC LIMIT 1")
+        return None if row is None else self._run(row)
+
+    def add_run(
+        self,
+        run: Run,
+        candidates: Sequence[Candidate],
+        operator: str = "",
+        relocate: Callable[[Candidate], Candidate] | None = None,
+    ) -> StoredRun:
+        """Store a run and its candidates, which get database ids, and carry all earlier decisions over.
+
+        Candidates that the operator marked himself come along, moved by ``relocate`` to where the new track puts
+        their moment, unless the run found them on its own. What finds no partner: :meth:`orphaned_decisions`.
+        A run that equals the latest one in ``settings_hash`` and candidates is not stored again.
+        """
+        latest = self.latest_run()
+        if latest is not None and latest.settings_hash == run.settings_hash:
+            stored = self._same_run(latest, candidates)
+            if stored is not None:
+                return stored
+        with self._db.transaction() as db:
+            created = run.created_utc or _now()
+            values = (created, run.settings_hash, to_json(run.versions))
+            run_id = _inserted(db, "INSERT INTO runs (created_utc, settings_hash, versions) VALUES (?, ?, ?)", values)
+            fresh = [_insert_candidate(db, run_id, candidate) for candidate in candidates]
+            carried = self._carry(db, run_id, fresh, operator, relocate)
+        return StoredRun(replace(run, id=run_id, created_utc=created), self.candidates(run_id), carried)
+
+    def candidates(self, run: Run | int) -> tuple[Candidate, ...]:
+        """Return the candidates of a run in the order they were stored, the operator's own marks last."""
+        rows = self._db.rows(
+            "SELECT c.id, c.value FROM candidates c LEFT JOIN manual_candidates m ON m.candidate_id = c.id "
+            "WHERE c.run_id = ? AND coalesce(m.withdrawn, 0) = 0 ORDER BY m.candidate_id IS NOT NULL, c.id",
+            (_id(run),),
+        )
+        return tuple(self._candidate(row) for row in rows)
+
+    def manual_ids(self, run: Run | int) -> frozenset[int]:
+        """Return which candidates of a run the operator marked himself."""
+        rows = self._db.rows(
+            "SELECT m.candidate_id FROM manual_candidates m JOIN candidates c ON c.id = m.candidate_id "
+            "WHERE c.run_id = ? AND NOT m.withdrawn",
+            (_id(run),),
+        )
+        return frozenset(row[0] for row in rows)
+
+    def carried(self, run: Run | int) -> dict[int, int]:
+        """Return new id → old id of those candidates of a run whose decision came from an earlier run."""
+        sql = "SELECT k.to_id, k.from_id FROM carried k JOIN candidates c ON c.id = k.to_id WHERE c.run_id = ?"
+        return dict(self._db.rows(sql, (_id(run),)))
+
+    # --- decisions
+
+    def decisions(self, run: Run | int) -> dict[int, Decision]:
+        """Return candidate id → decision for all candidates of a run that have one."""
+        rows = self._db.rows(
+            "SELECT c.id, d.value FROM decisions d JOIN candidates c ON c.id = d.candidate_id "
+            "LEFT JOIN manual_candidates m ON m.candidate_id = c.id "
+            "WHERE c.run_id = ? AND coalesce(m.withdrawn, 0) = 0",
+            (_id(run),),
+        )
+        return {row[0]: self._decision(row[1]) for row in rows}
+
+    def decision(self, candidate_id: int) -> Decision:
+        """Return the decision on one candidate; ``Decision()`` if there is none."""
+        row = self._db.one("SELECT value FROM decisions WHERE candidate_id = ?", (candidate_id,))
+        return UNDECIDED if row is None else self._decision(row[0])
+
+    def decide(self, candidate_id: int, decision: Decision, operator: str, reason: str = Reason.DECIDE) -> int:
+        """Store a decision and its log row in one transaction, on disc when this returns; return the log's id.
+
+        ``reason`` is ``decide``, ``undo`` or ``redo``; ``Decision()`` clears. Raises KeyError for an unknown candidate.
+        """
+        with self._db.transaction() as db:
+            return self._write(db, candidate_id, decision, operator, Reason(reason))
+
+    def decision_log(self) -> tuple[LogEntry, ...]:
+        """Return the whole log, oldest first."""
+        rows = self._db.rows(
+            "SELECT id, at_utc, operator, reason, candidate_id, before, after FROM decision_log ORDER BY id"
+        )
+        return tuple(self._log_entry(row) for row in rows)
+
+    def orphaned_decisions(self) -> tuple[Orphan, ...]:
+        """Return the decisions of earlier runs that no later run's candidate has taken over.
+
+        Clearing one (``decide(orphan.candidate.id, Decision(), …)``) takes it off this list, the log keeps it.
+        """
+        latest = self.latest_run()
+        return () if latest is None else tuple(o for o in self._open_decisions() if o.run_id != latest.id)
+
+    def keep_orphan(self, candidate_id: int, operator: str) -> Candidate:
+        """Put an orphaned decision's candidate into the latest run as the operator's own mark, decision and all.
+
+        Undone by :meth:`withdraw_manual_candidate`, which lists the orphan again.
+        """
+        orphan = next(o for o in self.orphaned_decisions() if o.candidate.id == candidate_id)
+        latest = self.latest_run()
+        assert latest is not None  # there are no orphans without a run
+        with self._db.transaction() as db:
+            return self._continue_manually(db, latest.id, orphan, orphan.candidate, operator, by_hand=True)
+
+    # --- the operator's own marks
+
+    def add_manual_candidate(
+        self, run: Run | int, candidate: Candidate, operator: str, decision: Decision = UNDECIDED
+    ) -> Candidate:
+        """Store a place that the operator marked himself, logged, with its decision; return it with its id."""
+        with self._db.transaction() as db:
+            stored = self._insert_manual(db, _id(run), candidate)
+            _log(db, operator, Reason.ADD, stored.id, UNDECIDED, UNDECIDED)
+            if decision != UNDECIDED:
+                self._write(db, stored.id, decision, operator, Reason.DECIDE)
+        return stored
+
+    def withdraw_manual_candidate(self, candidate_id: int, operator: str) -> int:
+        """Take back the operator's own mark: it is hidden with its decision, never deleted; return the log's id."""
+        return self._set_withdrawn(candidate_id, operator, withdrawn=True)
+
+    def reinstate_manual_candidate(self, candidate_id: int, operator: str) -> int:
+        """Undo :meth:`withdraw_manual_candidate`; return the log's id."""
+        return self._set_withdrawn(candidate_id, operator, withdrawn=False)
+
+    # --- inner workings
+
+    def _write(self, db: Connection, candidate_id: int, decision: Decision, operator: str, reason: Reason) -> int:
+        if db.execute("SELECT 1 FROM candidates WHERE id = ?", (candidate_id,)).fetchone() is None:
+            raise KeyError(candidate_id)
+        log_id = _log(db, operator, reason, candidate_id, self.decision(candidate_id), decision)
+        if decision == UNDECIDED:
+            db.execute("DELETE FROM decisions WHERE candidate_id = ?", (candidate_id,))
+        else:
+            values = (candidate_id, to_json(decision), log_id)
+            db.execute("INSERT OR REPLACE INTO decisions (candidate_id, value, log_id) VALUES (?, ?, ?)", values)
+        return log_id
+
+    def _set_withdrawn(self, candidate_id: int, operator: str, *, withdrawn: bool) -> int:
+        with self._db.transaction() as db:
+            sql = "UPDATE manual_candidates SET withdrawn = ? WHERE candidate_id = ?"
+            if db.execute(sql, (int(withdrawn), candidate_id)).rowcount != 1:
+                raise KeyError(candidate_id)
+            decision = self.decision(candidate_id)
+            reason = Reason.WITHDRAW if withdrawn else Reason.REINSTATE
+            return _log(db, operator, reason, candidate_id, decision, decision)
+
+    def _carry(
+        self,
+        db: Connection,
+        run_id: int,
+        fresh: Sequence[Candidate],
+        operator: str,
+        relocate: Callable[[Candidate], Candidate] | None,
+    ) -> dict[int, int]:
+        waiting = {o.candidate.id: o for o in self._open_decisions(with_marks=True)}
+        manual = {row[0] for row in db.execute("SELECT candidate_id FROM manual_candidates")}
+        found = partners([o.candidate for o in waiting.values()], fresh)
+        for old_id, new_id in found.items():
+            db.execute("INSERT INTO carried (from_id, to_id) VALUES (?, ?)", (old_id, new_id))
+            if waiting[old_id].decision != UNDECIDED:
+                self._write(db, new_id, waiting[old_id].decision, operator, Reason.CARRY)
+        for old_id in sorted(manual & waiting.keys() - found.keys()):
+            orphan = waiting[old_id]
+            moved = relocate(orphan.candidate) if relocate is not None else orphan.candidate
+            found[old_id] = self._continue_manually(db, run_id, orphan, moved, operator, by_hand=False).id
+        return {new_id: old_id for old_id, new_id in found.items()}
+
+    def _continue_manually(
+        self, db: Connection, run_id: int, orphan: Orphan, moved: Candidate, operator: str, *, by_hand: bool
+    ) -> Candidate:
+        stored = self._insert_manual(db, run_id, moved)
+        values = (orphan.candidate.id, stored.id, int(by_hand))
+        db.execute("INSERT INTO carried (from_id, to_id, by_hand) VALUES (?, ?, ?)", values)
+        if orphan.decision != UNDECIDED:
+            self._write(db, stored.id, orphan.decision, operator, Reason.CARRY)
+        return stored
+
+    def _insert_manual(self, db: Connection, run_id: int, candidate: Candidate) -> Candidate:
+        stored = _insert_candidate(db, run_id, candidate)
+        db.execute("INSERT INTO manual_candidates (candidate_id) VALUES (?)", (stored.id,))
+        return stored
+
+    def _open_decisions(self, *, with_marks: bool = False) -> Iterable[Orphan]:
+        """Yield what no later candidate has taken over: decisions, and on demand the operator's undecided marks."""
+        rows = self._db.rows(
+            "SELECT c.id, c.value, c.run_id, d.value, m.candidate_id FROM candidates c "
+            "LEFT JOIN decisions d ON d.candidate_id = c.id LEFT JOIN manual_candidates m ON m.candidate_id = c.id "
+            "WHERE (d.value IS NOT NULL OR m.candidate_id IS NOT NULL) AND coalesce(m.withdrawn, 0) = 0 "
+            "AND NOT EXISTS (SELECT 1 FROM carried k LEFT JOIN manual_candidates w ON w.candidate_id = k.to_id "
+            "WHERE k.from_id = c.id AND NOT (k.by_hand AND coalesce(w.withdrawn, 0))) ORDER BY c.id"
+        )
+        for row in rows:
+            if row[3] is not None or with_marks:
+                decision = UNDECIDED if row[3] is None else self._decision(row[3])
+                yield Orphan(self._candidate(row), row[2], decision)
+
+    def _same_run(self, latest: Run, candidates: Sequence[Candidate]) -> StoredRun | None:
+        stored, manual = self.candidates(latest), self.manual_ids(latest)
+        found = [to_json(replace(c, id=0)) for c in stored if c.id not in manual]  # as text: NaN equals NaN
+        if found != [to_json(replace(c, id=0)) for c in candidates]:
+            return None
+        return StoredRun(latest, stored, self.carried(latest), is_new=False)
+
+    def _log_entry(self, row: Row) -> LogEntry:
+        with self._understood():
+            before, after = from_json(Decision, row[5]), from_json(Decision, row[6])
+            return LogEntry(row[0], row[1], row[2], Reason(row[3]), row[4], before, after)
+
+    def _run(self, row: Row) -> Run:
+        with self._understood():
+            return Run(row[0], row[1], row[2], from_json(Params, row[3]))  # type: ignore[type-abstract]
+
+    def _candidate(self, row: Row) -> Candidate:
+        with self._understood():
+            return replace(from_json(Candidate, row[1]), id=row[0])
+
+    def _decision(self, text: str) -> Decision:
+        with self._understood():
+            return from_json(Decision, text)
+
+    def _understood(self) -> "_Understood":
+        return _Understood(self._db)
+
+
+class _Understood:
+    """Turns a ValueError about stored text into SURVEY_DAMAGED; a class, as it runs once a row."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _trace: object) -> None:
+        if isinstance(error, ValueError):
+            raise LeaklineError(ErrorCode.SURVEY_DAMAGED, Place(self._database.path), reason=str(error)) from error
+
+
+def replay(log: Iterable[LogEntry]) -> dict[int, Decision]:
+    """Return candidate id → decision as the log tells it: what the table of decisions must hold."""
+    state: dict[int, Decision] = {}
+    for entry in log:
+        state[entry.candidate_id] = entry.after
+    return {candidate_id: decision for candidate_id, decision in state.items() if decision != UNDECIDED}
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _id(run: Run | int) -> int:
+    return run if isinstance(run, int) else run.id
+
+
+def _inserted(db: Connection, sql: str, values: tuple[object, ...]) -> int:
+    row_id = db.execute(sql, values).lastrowid
+    assert row_id is not None  # it is set by every INSERT
+    return row_id
+
+
+def _insert_candidate(db: Connection, run_id: int, candidate: Candidate) -> Candidate:
+    sql = "INSERT INTO candidates (run_id, time_s, chainage_m, value) VALUES (?, ?, ?, ?)"
+    values = (run_id, candidate.time_s, candidate.chainage_m, to_json(candidate))
+    return replace(candidate, id=_inserted(db, sql, values))
+
+
+def _log(db: Connection, operator: str, reason: Reason, candidate_id: int, before: Decision, after: Decision) -> int:
+    sql = "INSERT INTO decision_log (at_utc, operator, reason, candidate_id, before, after) VALUES (?, ?, ?, ?, ?, ?)"
+    return _inserted(db, sql, (_now(), operator, reason.value, candidate_id, to_json(before), to_json(after)))
