@@ -30,12 +30,16 @@ class Motion(StrEnum):
 
 @dataclass(frozen=True)
 class SurveyInfo:
-    """Free text that heads the report; ``date`` is ISO 8601 (``2026-05-04``) or empty."""
+    """Free text that heads the report; ``date`` is ISO 8601 (``2026-05-04``) or empty.
+
+    ``simulated`` is said on the face of every view and page, so that nobody digs for a simulated leak.
+    """
 
     name: str = ""
     operator: str = ""
     date: str = ""
     client: str = ""
+    simulated: bool = False
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,10 @@ class AudioInfo:
     channel: int = 0
     start_time_s: float | None = None
     drift_ppm: float | None = None
+    raw_sample_rate_hz: float | None = None  # the form of headerless PCM; None where the file has a header
+    raw_bits: int | None = None
+    raw_channels: int | None = None
+    raw_encoding: str | None = None  # signed | float | signed_big | float_big; None: signed
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,191 @@
+"""The command line: words in, exit status out (0 done, 2 bad arguments or input in one line, 1 our own fault)."""
+
+import argparse
+import errno
+import logging
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn, Self
+
+from processing import messages
+from processing.errors import Cancelled, ErrorCode, LeaklineError, Place
+from processing.progress import Progress
+
+DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DISC_FULL = {errno.ENOSPC, errno.EDQUOT} if hasattr(errno, "EDQUOT") else {errno.ENOSPC}
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Says what is wrong with the words in one line, as the contract asks."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print one line and leave with status 2."""
+        self.exit(BAD_INPUT, f"leakline: {message}. See '{self.prog} --help'.\n")
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Do what the words say and return the exit status; never a traceback unless ``--debug``."""
+    words = parser().parse_args(arguments)
+    logging.basicConfig(level=logging.DEBUG if words.debug else logging.ERROR, format="leakline: %(message)s")
+    try:
+        return int(words.handler(words))
+    except LeaklineError as error:
+        return _fail(words, messages.error_sentence(error, words.language), BAD_INPUT)
+    except Cancelled:
+        return INTERRUPTED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        return DONE
+    except OSError as error:
+        return _fail(words, messages.error_sentence(_as_leakline_error(error), words.language), BAD_INPUT)
+    except Exception as error:  # noqa: BLE001  # the last net: our fault, said in one line
+        kind = type(error).__name__
+        return _fail(words, messages.text("cli", "our_fault", words.language, kind=kind, detail=error), OUR_FAULT)
+
+
+def _fail(words: argparse.Namespace, sentence: str, status: int) -> int:
+    if words.debug:
+        traceback.print_exc()
+    print("leakline: " + " ".join(sentence.split()), file=sys.stderr)
+    return status
+
+
+def _as_leakline_error(error: OSError) -> LeaklineError:
+    place = Place(Path(error.filename)) if isinstance(error.filename, str | Path) else None
+    if error.errno in DISC_FULL:
+        return LeaklineError(ErrorCode.DISC_FULL, place)
+    if isinstance(error, FileNotFoundError):
+        return LeaklineError(ErrorCode.FILE_MISSING, place)
+    return LeaklineError(ErrorCode.FILE_UNREADABLE, place, reason=error.strerror or str(error))
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the grammar of the command line."""
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument("--debug", action="store_true", default=argparse.SUPPRESS, help="show tracebacks")
+    common.add_argument("--language", choices=messages.LANGUAGES, default=argparse.SUPPRESS, help="of what is said")
+    top = OneLineParser(
+        prog="leakline",
+        parents=[common],
+        description="Finds water leaks from one run of a sensor ball. Without a command it opens the window.",
+    )
+    top.set_defaults(debug=False, language="en", handler=_window, path=None)
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", parser_class=OneLineParser)
+
+    one = commands.add_parser("open", parents=[common], help="open a survey folder or project in the window")
+    one.add_argument("path", type=Path, metavar="PATH")
+    one.set_defaults(handler=_window)
+
+    one = commands.add_parser("demo", parents=[common], help="open the bundled demonstration survey")
+    one.add_argument("--out", type=Path, metavar="DIR", help="process it without a window and write its files there")
+    one.set_defaults(handler=_demo)
+
+    one = commands.add_parser("process", parents=[common], help="do the whole job without a window")
+    one.add_argument("path", type=Path, metavar="PATH", help="a device's folder, a single log, or a project")
+    one.add_argument("--out", type=Path, metavar="DIR", required=True, help="where the files are written")
+    one.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", dest="overrides")
+    one.set_defaults(handler=_process)
+
+    one = commands.add_parser("simulate", parents=[common], help="write a simulated survey with its truth")
+    one.add_argument("scenario", metavar="SCENARIO", help="a name from --list, or a scenario file")
+    one.add_argument("--out", type=Path, metavar="DIR", required=True)
+    one.add_argument("--seed", type=int, default=None, metavar="N")
+    one.set_defaults(handler=_simulate)
+
+    one = commands.add_parser("scenarios", parents=[common], help="list what can be simulated")
+    one.set_defaults(handler=_scenarios)
+
+    one = commands.add_parser("formats", parents=[common], help="list what can be imported")
+    one.set_defaults(handler=_formats)
+    return top
+
+
+# --- the commands -------------------------------------------------------------------------------------------------
+
+
+def _window(words: argparse.Namespace) -> int:
+    if words.path is not None and not words.path.exists():
+        raise LeaklineError(ErrorCode.FILE_MISSING, Place(words.path))
+    from app.application import run_window
+
+    return run_window(words.path)
+
+
+def _demo(words: argparse.Namespace) -> int:
+    from app.demonstration import demonstration_folder
+
+    with _TerminalProgress(words.language) as progress:
+        folder = demonstration_folder(progress)
+    if words.out is None:
+        from app.application import run_window
+
+        return run_window(folder)
+    return _process_to(folder, words.out, [], words.language)
+
+
+def _process(words: argparse.Namespace) -> int:
+    return _process_to(words.path, words.out, words.overrides, words.language)
+
+
+def _process_to(path: Path, out: Path, overrides: list[str], language: str) -> int:
+    from app.batch import process_folder
+
+    with _TerminalProgress(language) as progress:
+        outcome = process_folder(path, out, overrides, language, progress)
+    for finding in outcome.findings:
+        print("- " + messages.finding_sentence(finding, language))
+    print(messages.text("cli", "processed", language, leaks=len(outcome.candidates), folder=out.resolve()))
+    return DONE
+
+
+def _simulate(words: argparse.Namespace) -> int:
+    from processing.simulation.scenarios import load_scenario
+    from processing.simulation.simulate import simulate
+    from processing.simulation.write import write_run
+
+    with _TerminalProgress(words.language) as progress:
+        run = simulate(load_scenario(words.scenario), words.seed)
+        write_run(run, words.out, progress)
+    print(messages.text("cli", "simulated", words.language, folder=words.out.resolve()))
+    return DONE
+
+
+def _scenarios(_words: argparse.Namespace) -> int:
+    from processing.simulation.scenarios import SCENARIOS
+
+    for name in SCENARIOS:
+        print(name)
+    return DONE
+
+
+def _formats(words: argparse.Namespace) -> int:
+    from processing.importing.registry import FORMATS
+
+    for entry in FORMATS:
+        print(f"{entry.name:20} {entry.title}")
+    print(messages.text("cli", "formats_sound", words.language))
+    return DONE
+
+
+class _TerminalProgress(Progress):
+    """Shows one moving line on a terminal, nothing elsewhere."""
+
+    def __init__(self, language: str) -> None:
+        self._language = language
+        self._shown = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        super().__init__(self._show if self._shown else None)
+
+    def _show(self, fraction: float, phrase: str) -> None:
+        sentence = messages.table("progress", self._language).get(phrase, phrase)
+        print(f"\r\x1b[K{fraction:4.0%} {sentence}", end="", file=sys.stderr, flush=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._shown:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
