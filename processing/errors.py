@@ -18,6 +18,8 @@ class ErrorCode(StrEnum):
     VALUE_NOT_A_NUMBER = "value_not_a_number"
     TOO_FEW_SAMPLES = "too_few_samples"
     TOML_INVALID = "toml_invalid"
+    KEY_MISSING = "key_missing"
+    SAMPLE_RATE_MISSING = "sample_rate_missing"
     SETTING_UNKNOWN = "setting_unknown"
     SETTING_INVALID = "setting_invalid"
     NO_IMU = "no_imu"
