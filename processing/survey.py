@@ -70,7 +70,8 @@ class AudioInfo:
     raw_sample_rate_hz: float | None = None  # the form of headerless PCM; None where the file has a header
     raw_bits: int | None = None
     raw_channels: int | None = None
-    raw_encoding: str | None = None  # signed | float | signed_big | float_big; None: signed
+    raw_encoding: str | None = None  # signed | unsigned | float | ulaw | alaw; None: signed
+    raw_endian: str | None = None  # little | big; None: little
 
 
 @dataclass(frozen=True)

@@ -153,7 +153,8 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
         "raw_sample_rate_hz": Number(100.0, 1e6, "Hz"),
         "raw_bits": Integer(8, 64),
         "raw_channels": Integer(1, 256),
-        "raw_encoding": OneOf(("signed", "float", "signed_big", "float_big")),
+        "raw_encoding": OneOf(("signed", "unsigned", "float", "ulaw", "alaw")),
+        "raw_endian": OneOf(("little", "big")),
     },
     "launch": {
         "latitude": _LATITUDE,
