@@ -38,6 +38,7 @@ class ErrorCode(StrEnum):
     LAUNCH_INVALID = "launch_invalid"
     TIE_POINTS_IMPOSSIBLE = "tie_points_impossible"
     REPORT_FAILED = "report_failed"
+    SCENARIO_UNKNOWN = "scenario_unknown"
 
 
 @dataclass(frozen=True)

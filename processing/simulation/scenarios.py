@@ -1,0 +1,45 @@
+"""The named scenarios, in one visible table, and how to load one by its name or from a file."""
+
+from collections.abc import Callable, Mapping
+from importlib import resources
+from pathlib import Path
+
+from processing.errors import ErrorCode, LeaklineError
+from processing.simulation import papers
+from processing.simulation.scenario import Scenario
+from processing.simulation.scenario_file import read_scenario
+from processing.simulation.surveys import long_main, random_scenario, small_rolling
+
+
+def demo_scenario() -> Scenario:
+    """Return the demonstration survey's scenario, which ships as a file."""
+    with resources.as_file(resources.files("resources") / "demo" / "scenario.toml") as path:
+        return read_scenario(path)
+
+
+SCENARIOS: Mapping[str, Callable[[], Scenario]] = {
+    "demo": demo_scenario,
+    "rolling": small_rolling,
+    "long-main": long_main,
+    "p0-straight": papers.p0_straight,
+    "p0-closed": papers.p0_closed,
+    "p0-50m": papers.p0_50m,
+    **{f"p1-{n:02d}": papers.p1_maker(n) for n in range(1, 15)},
+}
+
+
+def load_scenario(path_or_name: str | Path) -> Scenario:
+    """Return the scenario of a name in :data:`SCENARIOS`, of ``random-N``, or of a ``.toml``/``.json`` file.
+
+    Raises:
+        LeaklineError: SCENARIO_UNKNOWN for a name that is neither; those of :func:`.scenario_file.read_scenario`.
+    """
+    name = str(path_or_name)
+    if name in SCENARIOS:
+        return SCENARIOS[name]()
+    if name.startswith("random-") and name[7:].isdecimal():
+        return random_scenario(int(name[7:]))
+    path = Path(path_or_name)
+    if path.suffix.lower() in {".toml", ".json"} or path.exists():
+        return read_scenario(path)
+    raise LeaklineError(ErrorCode.SCENARIO_UNKNOWN, name=name, known=", ".join(SCENARIOS))
