@@ -37,6 +37,47 @@ class OrientationSettings:
     rest_min_s: float = tunable(2.0, "s", 0.5, 60.0, "a shorter rest gives too noisy a gyro offset (navigation §6.2)")
     rest_acc_std_mps2: float = tunable(0.15, "m/s²", 0.01, 2.0, "held for rest on all BROAD trials (navigation §6.2)")
     rest_gyr_std_dps: float = tunable(1.5, "°/s", 0.1, 20.0, "held for rest on all BROAD trials (navigation §6.2)")
+    rest_gyr_mean_dps: float = tunable(10.0, "°/s", 0.5, 50.0, "no gyro's offset is larger: a steady turn is no rest")
+    rest_agree_dps: float = tunable(
+        1.0, "°/s", 0.05, 20.0, "offsets of one run differ by less: else it was a steady turn"
+    )
+    gravity_tolerance_pct: float = tunable(
+        2.0, "%", 0.1, 20.0, "|a| at rest further off is a wrong unit, scale or offset"
+    )
+    # rows that cannot be trusted, and holes in time
+    bridge_s: float = tunable(0.05, "s", 0.0, 1.0, "over a shorter hole the turn is interpolated (navigation §6.1)")
+    restart_s: float = tunable(1.0, "s", 0.1, 60.0, "after a longer hole the tilt is found anew from the accelerometer")
+    start_s: float = tunable(
+        3.0, "s", 0.2, 60.0, "specific force is averaged so long to find the first tilt (VQF: tau 3 s)"
+    )
+    rate_stands_for: str = choice(
+        "instant", ("instant", "interval"), "the rate of the moment, or the mean since the sample before"
+    )
+    # magnetometer
+    magnetometer: str = choice("auto", ("auto", "use", "ignore"), "auto trusts a steady field in a pipe without iron")
+    mag_norm_tolerance_pct: float = tunable(
+        10.0, "%", 1.0, 100.0, "a field of other strength is disturbed (navigation §6.2)"
+    )
+    mag_dip_tolerance_deg: float = tunable(
+        10.0, "°", 1.0, 90.0, "a field of other inclination is disturbed (navigation §6.2)"
+    )
+    mag_clean_share: float = tunable(
+        0.8, "1", 0.1, 1.0, "share of steady readings from which the magnetometer is trusted"
+    )
+    declination_deg: float = tunable(0.0, "°", -180.0, 180.0, "magnetic north east of true north, from a map")
+    # estimators
+    acc_deviation_g: float = tunable(0.1, "g", 0.005, 10.0, "| |a|/g − 1 | at which a reading counts half")
+    madgwick_beta_radps: float = tunable(0.1, "rad/s", 0.0001, 10.0, "")
+    mahony_kp_radps: float = tunable(0.5, "rad/s", 0.0, 50.0, "")
+    mahony_ki_radps2: float = tunable(0.001, "rad/s²", 0.0, 10.0, "")
+    mahony_kp_mag_radps: float = tunable(0.5, "rad/s", 0.0, 50.0, "")
+    ekf_gyr_noise_dps_rthz: float = tunable(0.02, "°/s/√Hz", 0.0001, 10.0, "")
+    ekf_bias_walk_dps_rts: float = tunable(0.003, "°/s/√s", 0.0, 1.0, "consumer MEMS (navigation §6.4)")
+    ekf_acc_noise_g_rthz: float = tunable(0.1, "g/√Hz", 0.0001, 10.0, "")
+    ekf_heading_noise_deg_rthz: float = tunable(10.0, "°/√Hz", 0.01, 1000.0, "")
+    gyro_scale: str = choice(
+        "auto", ("auto", "off"), "auto finds the scale along a rolling ball's spin axis (navigation §4.4)"
+    )
 
 
 @dataclass(frozen=True)
@@ -44,6 +85,32 @@ class PositionSettings:
     """Odometry, standstills and the fit to what is known."""
 
     track_rate_hz: float = tunable(20.0, "Hz", 10.0, 200.0, "formats.md promises 10 rows a second or more")
+    # odometry
+    scale_sigma_pct: float = tunable(2.0, "%", 0.05, 50.0, "a ball not calibrated in this pipe (navigation §6.4)")
+    slip_walk: float = tunable(0.13, "m/√m", 0.01, 2.0, "covers 95 % over the wheels of navigation §4.4, median 0.084")
+    slope_sigma_pct: float = tunable(1.0, "%", 0.0, 30.0, "a rolling ball does not feel a constant slope")
+    rolling_still_dps: float = tunable(2.0, "°/s", 0.1, 50.0, "a ball that turns more slowly lies still")
+    reverse_max_m: float = tunable(2.0, "m", 0.1, 100.0, "rolling back further than this is a turn of the pipe")
+    # carried and foot
+    still_acc_mps2: float = tunable(0.5, "m/s²", 0.01, 5.0, "filtered | |a| − g | of a standstill (P3; 0.05 g)")
+    still_gyr_dps: float = tunable(30.0, "°/s", 0.5, 200.0, "smoothed angular rate of a standstill")
+    still_min_s: float = tunable(0.15, "s", 0.02, 10.0, "a shorter quiet moment is no standstill")
+    still_margin_s: float = tunable(0.05, "s", 0.0, 1.0, "the edge of a standstill still moves")
+    inertial_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "accelerometer scale of consumer MEMS")
+    velocity_walk: float = tunable(
+        0.004, "m/s/√s", 0.0001, 1.0, "least error of integrated acceleration; stops raise it"
+    )
+    # heading
+    heading_sigma_deg: float = tunable(3.0, "°", 0.1, 180.0, "how well a person states the direction of the launch")
+    heading_drift_dph: float = tunable(
+        300.0, "°/h", 0.0, 5000.0, "no magnetometer: 150–400 °/h (navigation §3.1, §4.4)"
+    )
+    heading_walk: float = tunable(0.05, "°/√s", 0.0, 5.0, "gyro noise and scale along the spin axis")
+    magnetic_sigma_deg: float = tunable(8.0, "°", 0.5, 90.0, "magnetic heading near pipes (navigation §6.2)")
+    # the fit
+    length_sigma_pct: float = tunable(0.1, "%", 0.001, 10.0, "how well a pipe's length is known, on top of 0.5 m")
+    tie_time_sigma_s: float = tunable(0.3, "s", 0.0, 60.0, "reaction time of whoever notes a tie point")
+    outlier_sigmas: float = tunable(3.0, "sigma", 1.5, 10.0, "a tie point that the others miss by more is held down")
 
 
 @dataclass(frozen=True)
@@ -59,6 +126,7 @@ class SoundSettings:
 
     band_low_hz: float = tunable(500.0, "Hz", 10.0, 90000.0, "below it flow, traffic and bends dominate")
     band_high_hz: float = tunable(4000.0, "Hz", 20.0, 96000.0, "above it little leak energy is left at a metre")
+    silence_db: float = tunable(-100.0, "dBFS", -180.0, -20.0, "quieter than any microphone's own noise: it is not on")
 
 
 @dataclass(frozen=True)

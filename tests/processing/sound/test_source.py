@@ -72,7 +72,7 @@ def test_what_soundfile_wrote_is_read_back(tmp_path, suffix, subtype, tolerance)
     if tolerance is not None:
         np.testing.assert_allclose(read, samples[:, 1], atol=tolerance)
     elif suffix != ".mp3":  # which delays what it stores
-        assert np.corrcoef(read[: len(samples)], samples[:, 1])[0, 1] > 0.95
+        assert np.corrcoef(read[: len(samples)], samples[:, 1])[0, 1] > 0.8
 
 
 @pytest.mark.parametrize(
