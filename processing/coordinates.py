@@ -81,7 +81,7 @@ class LocalFrame:
         points = _rows(points_w_m)
         if is_local(crs):
             east, north = self.grid_origin if is_local(self.grid) else (0.0, 0.0)
-            return points + np.array([east, north, 0.0])
+            return np.asarray(points + np.array([east, north, 0.0]))
         geographic = self.to_geographic(points)
         x, y = _transform("EPSG:4326", crs, geographic[:, 1], geographic[:, 0])
         return np.column_stack([x, y, geographic[:, 2]])
@@ -91,7 +91,7 @@ class LocalFrame:
         places = _rows(points)
         if is_local(crs):
             east, north = self.grid_origin if is_local(self.grid) else (0.0, 0.0)
-            return places - np.array([east, north, 0.0])
+            return np.asarray(places - np.array([east, north, 0.0]))
         longitude, latitude = _transform(crs, "EPSG:4326", places[:, 0], places[:, 1])
         return self.from_geographic(np.column_stack([latitude, longitude, places[:, 2]]))
 
@@ -226,7 +226,7 @@ def _earth_centred(geographic: FloatArray) -> FloatArray:
 
 
 def _geodetic(centred: FloatArray) -> FloatArray:
-    """Latitude, longitude (degrees), height of earth-centred points (n, 3); Bowring 1976, twice: exact near the ground."""
+    """Latitude, longitude (degrees), height (n, 3) of earth-centred points (n, 3); Bowring 1976, two turns."""
     x, y, z = centred.T
     across = np.hypot(x, y)
     minor = _SEMI_MAJOR_M * (1.0 - _FLATTENING)

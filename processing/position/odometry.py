@@ -1,0 +1,157 @@
+"""What dead reckoning hands to the fit: a free path at track rate, and how fast its error grows.
+
+Rolling and inertial reckoning both end here, so the fit knows no physics. Rates are integrated at the IMU's rate, in
+blocks, and kept at the track's rate.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from processing.errors import ErrorCode, LeaklineError
+from processing.survey import BoolArray, Channel, Finding, FloatArray, ImuSamples, Params, Stretch
+
+BLOCK_ROWS = 200_000  # 5 MB a vector column: large enough to be quick, small enough for hours at 1 kHz
+GAP_S = 0.25  # a longer silence of good samples is reported as not assessed; shorter ones are bridged
+
+
+@dataclass(frozen=True)
+class Odometry:
+    """The free path: m rows, time strictly increasing; each ``*_var_*`` never decreases.
+
+    ``position_w_m`` begins at the origin in the attitude's own heading; ``chainage_m`` begins at 0 and never decreases.
+    The variances are cumulated: the error made between rows i and j has variance ``var[j] − var[i]``, a random walk.
+    ``scale_sigma`` is the 1-sigma of one factor on all lengths, ``slope_sigma`` of one unknown slope (m/m).
+    """
+
+    time_s: FloatArray  # (m,)
+    position_w_m: FloatArray  # (m, 3)
+    chainage_m: FloatArray  # (m,)
+    speed_mps: FloatArray  # (m,)
+    quat_ws: FloatArray  # (m, 4)
+    along_var_m2: FloatArray  # (m,)
+    cross_var_m2: FloatArray  # (m,)
+    up_var_m2: FloatArray  # (m,)
+    heading_var_rad2: FloatArray  # (m,)
+    scale_sigma: float
+    slope_sigma: float
+    start_sigma_m: float = 0.02
+    follows_slope: bool = False  # whether the third coordinate was measured
+    heading_from: str = "launch"  # as in Attitude
+    method: str = ""
+    reason: str = ""
+    findings: tuple[Finding, ...] = ()
+    not_assessed: tuple[Stretch, ...] = ()
+    quality: Params = field(default_factory=dict)
+
+
+def usable_rows(imu: ImuSamples) -> "np.ndarray[tuple[int], np.dtype[np.intp]] | slice":
+    """Return the valid rows, as a slice where all are.
+
+    Raises:
+        LeaklineError: TOO_FEW_SAMPLES where fewer than two are left.
+    """
+    count = int(np.count_nonzero(imu.valid))
+    if count < 2:
+        raise LeaklineError(ErrorCode.TOO_FEW_SAMPLES, count=float(count), needed=2.0)
+    return slice(0, len(imu.time_s)) if count == len(imu.valid) else np.flatnonzero(imu.valid)
+
+
+def track_grid(start_s: float, end_s: float, rate_hz: float) -> FloatArray:
+    """Return times from ``start_s`` to ``end_s`` (both included) at ``rate_hz``; the last step may be half longer."""
+    count = max(int(np.floor((end_s - start_s) * rate_hz + 0.5)), 1)
+    grid = start_s + np.arange(count + 1) / rate_hz
+    grid[-1] = end_s
+    return grid
+
+
+def integrate(
+    time_s: FloatArray, rates: Callable[[slice], FloatArray], at_s: FloatArray, tick: Callable[[float], None]
+) -> FloatArray:
+    """Return the integrals (m, k) at times ``at_s`` (m,) of what ``rates(rows)`` gives: (rows, k) at ``time_s`` (n,).
+
+    Trapezoidal, block by block; ``at_s`` increases and lies within ``time_s``. ``tick`` is told the fraction done.
+    """
+    total: FloatArray | None = None
+    out: FloatArray | None = None
+    for start in range(0, len(time_s) - 1, BLOCK_ROWS):
+        rows = slice(start, min(start + BLOCK_ROWS + 1, len(time_s)))  # one row shared with the next block
+        values = rates(rows)
+        times = time_s[rows]
+        if total is None or out is None:
+            total = np.zeros(values.shape[1])
+            out = np.zeros((len(at_s), values.shape[1]))
+        steps = 0.5 * np.diff(times)[:, None] * (values[1:] + values[:-1])
+        cumulated = np.vstack([total, total + np.cumsum(steps, axis=0)])
+        wanted = slice(*np.searchsorted(at_s, [times[0], times[-1]], side="left"))
+        wanted = slice(wanted.start, len(at_s) if rows.stop == len(time_s) else wanted.stop)
+        for column in range(values.shape[1]):
+            out[wanted, column] = np.interp(at_s[wanted], times, cumulated[:, column])
+        total = cumulated[-1]
+        tick(rows.stop / len(time_s))
+    assert out is not None
+    return out
+
+
+def gaps(time_s: FloatArray, imu: ImuSamples) -> tuple[FloatArray, tuple[Stretch, ...]]:
+    """Return the spans (g, 2) without good samples that are longer than GAP_S, and their stretches."""
+    step = np.diff(time_s)
+    places = np.flatnonzero(step > max(GAP_S, 3.0 * float(np.median(step))))
+    spans = np.column_stack([time_s[places], time_s[places + 1]])
+    stretches = []
+    for start, end in spans:
+        inside = slice(*np.searchsorted(imu.time_s, [start, end], side="right"))
+        masked = bool(np.any(~imu.valid[inside.start : max(inside.stop - 1, inside.start)]))
+        stretches.append(Stretch(float(start), float(end), Channel.PATH, "imu_masked" if masked else "imu_gap"))
+    return spans, tuple(stretches)
+
+
+def in_spans(time_s: FloatArray, spans: FloatArray) -> BoolArray:
+    """Return for each step between rows of ``time_s`` (m − 1,) whether it touches one of ``spans`` (g, 2)."""
+    touched = np.zeros(len(time_s) - 1, dtype=np.bool_)
+    for start, end in spans:
+        first = int(np.searchsorted(time_s, start, side="right")) - 1
+        last = int(np.searchsorted(time_s, end, side="left"))
+        touched[max(first, 0) : max(last, 1)] = True
+    return touched
+
+
+def cumulated(steps: FloatArray) -> FloatArray:
+    """Return 0 and the running sums of ``steps`` (m − 1, …): shape (m, …)."""
+    return np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])
+
+
+def rescaled(odometry: Odometry, factor: float) -> Odometry:
+    """Return the odometry with all lengths times ``factor`` (another radius)."""
+    return replace(
+        odometry,
+        position_w_m=odometry.position_w_m * factor,
+        chainage_m=odometry.chainage_m * factor,
+        speed_mps=odometry.speed_mps * factor,
+        along_var_m2=odometry.along_var_m2 * factor,
+        cross_var_m2=odometry.cross_var_m2 * factor,
+        up_var_m2=odometry.up_var_m2 * factor,
+    )
+
+
+def started_at(odometry: Odometry, time_s: float, sigma_m: float) -> Odometry:
+    """Return the odometry with the launch at ``time_s``: what moved before it was the handling, and does not count."""
+
+    def since(values: FloatArray) -> FloatArray:
+        if values.ndim == 1:
+            return np.maximum(values - np.interp(time_s, odometry.time_s, values), 0.0)
+        at = np.array([np.interp(time_s, odometry.time_s, column) for column in values.T])
+        return np.where(odometry.time_s[:, None] < time_s, 0.0, values - at)
+
+    return replace(
+        odometry,
+        position_w_m=since(odometry.position_w_m),
+        chainage_m=since(odometry.chainage_m),
+        speed_mps=np.where(odometry.time_s < time_s, 0.0, odometry.speed_mps),
+        along_var_m2=since(odometry.along_var_m2),
+        cross_var_m2=since(odometry.cross_var_m2),
+        up_var_m2=since(odometry.up_var_m2),
+        heading_var_rad2=since(odometry.heading_var_rad2),
+        start_sigma_m=sigma_m,
+    )

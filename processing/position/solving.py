@@ -1,0 +1,215 @@
+"""The linear problem behind the fit: the mean of all errors given the ties, and the variance that is left.
+
+Chainages alone make the problem linear; places turn the path, so it is solved again around each new path until the
+path stands still (Gauss–Newton).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from processing.position.error_model import ErrorModel, Rows, Sigmas, Walks, directions
+from processing.position.odometry import Odometry, cumulated
+from processing.position.ties import Observation
+from processing.progress import Progress
+from processing.survey import FloatArray
+
+TURNS = 20
+_STILL_M = 1e-3
+_BLOCK_ROWS = 20_000
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Mean of the errors given the ties, at all rows: what is added to the free path."""
+
+    scale: float
+    heading_rad: FloatArray
+    along_m: FloatArray
+    cross_m: FloatArray
+    up_m: FloatArray
+
+
+@dataclass(frozen=True)
+class Path:
+    """A nominal path: ``level_m`` (m, 2) and its derivative by the scale, ``up_m`` (m,)."""
+
+    level_m: FloatArray
+    scaled_m: FloatArray
+    up_m: FloatArray
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The last linear problem: model, ties, their weights ``alpha`` and the inverse of their covariance."""
+
+    model: ErrorModel
+    ties: tuple[Observation, ...]
+    deviation: Deviation
+    path: Path
+    inverse: FloatArray
+    alpha: FloatArray
+    turns: int
+
+
+def solve(odometry: Odometry, ties: tuple[Observation, ...], sigmas: Sigmas, progress: Progress | None) -> Solution:
+    """Solve for the errors, again around each new path until the path stands still."""
+    walks = Walks(odometry.along_var_m2, odometry.cross_var_m2, odometry.up_var_m2, odometry.heading_var_rad2)
+    zero = np.zeros(len(odometry.time_s))
+    deviation = Deviation(0.0, zero, zero, zero, zero)
+    path = _integrated(odometry, deviation)
+    turns = 0
+    while True:
+        turns += 1
+        model = ErrorModel(odometry.time_s, path.level_m, path.scaled_m, odometry.chainage_m, sigmas, walks)
+        residual = _residual(odometry, ties, path, deviation, model)
+        inverse = _inverse(model, ties)
+        alpha = inverse @ residual
+        deviation = _mean(model, ties, alpha, zero)
+        new = _integrated(odometry, deviation)
+        moved = float(np.max(np.hypot(*(new.level_m - path.level_m).T)))
+        path = new
+        if progress is not None:
+            progress.update(min(turns / 6.0, 1.0), "position_fit")
+        if not any(t.is_place for t in ties) or moved < _STILL_M or turns == TURNS:
+            return Solution(model, ties, deviation, path, inverse, alpha, turns)
+
+
+def _integrated(odometry: Odometry, deviation: Deviation) -> Path:
+    """The nominal path of a deviation: the free steps turned, scaled, and moved by the slip."""
+    free = np.diff(odometry.position_w_m[:, :2], axis=0)
+    turn = 0.5 * (deviation.heading_rad[1:] + deviation.heading_rad[:-1])
+    cos, sin = np.cos(turn), np.sin(turn)
+    up = odometry.position_w_m[:, 2] + deviation.up_m
+    if not odometry.follows_slope:  # the way goes up and down: seen from above it is shorter
+        rolled = np.diff(odometry.chainage_m) * (1.0 + deviation.scale)
+        slope = np.where(rolled > 1e-6, np.diff(up) / np.maximum(rolled, 1e-6), 0.0)
+        free = free * np.sqrt(1.0 - np.clip(slope, -0.9, 0.9) ** 2)[:, None]
+    step = np.column_stack([cos * free[:, 0] - sin * free[:, 1], sin * free[:, 0] + cos * free[:, 1]])
+    ahead = directions(cumulated(step))
+    side = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    slip = ahead * np.diff(deviation.along_m)[:, None] + side * np.diff(deviation.cross_m)[:, None]
+    return Path(cumulated((1.0 + deviation.scale) * step + slip), cumulated(step), up)
+
+
+def _residual(
+    odometry: Odometry, ties: tuple[Observation, ...], path: Path, deviation: Deviation, model: ErrorModel
+) -> FloatArray:
+    """Observed minus nominal, plus the linear effect of the deviation already taken: the residual from the prior."""
+    turn = 0.5 * (deviation.heading_rad[1:] + deviation.heading_rad[:-1])[:, None]
+    side = np.column_stack([-model.direction[:, 1], model.direction[:, 0]])
+    effect = deviation.scale * path.scaled_m + cumulated(
+        turn * np.diff(model.turn_m, axis=0)
+        + model.direction * np.diff(deviation.along_m)[:, None]
+        + side * np.diff(deviation.cross_m)[:, None]
+    )
+    out = []
+    for tie in ties:
+        if not tie.is_place:
+            out.append(tie.value - odometry.chainage_m[tie.row])
+            continue
+        out.append(tie.value[:2] - path.level_m[tie.row] + effect[tie.row])
+        out.append(tie.value[2:] - odometry.position_w_m[tie.row, 2])
+    return np.concatenate([*out, np.empty(0)])
+
+
+def _inverse(model: ErrorModel, ties: tuple[Observation, ...]) -> FloatArray:
+    """Inverse of the covariance of all observed values."""
+    size = sum(len(t.value) for t in ties)
+    covariance = np.zeros((size, size))
+    at = 0
+    for tie in ties:
+        rows = np.array([t.row for t in ties])
+        cross = _cross(model, rows, tie)
+        to = 0
+        for k, other in enumerate(ties):
+            n = len(other.value)
+            columns = slice(at, at + len(tie.value))
+            if not other.is_place:
+                covariance[to, columns] = cross.chainage[k]
+            else:
+                covariance[to : to + 2, columns] = cross.place[k]
+                covariance[to + 2 : to + n, columns] = cross.up[k] if n == 3 else 0.0
+            to += n
+        covariance[at : at + len(tie.value), at : at + len(tie.value)] += tie.covariance_m2
+        at += len(tie.value)
+    if size == 0:
+        return covariance
+    scale = 1.0 / np.sqrt(np.diag(covariance))  # unit diagonal: metres of a long run and centimetres meet here
+    balanced = 0.5 * (covariance + covariance.T) * np.outer(scale, scale)
+    return np.asarray(np.linalg.inv(balanced) * np.outer(scale, scale))
+
+
+@dataclass(frozen=True)
+class _Cross:
+    """Covariances of the errors at k rows with the n values of one tie: (k, n), place (k, 2, n)."""
+
+    chainage: FloatArray
+    place: FloatArray
+    up: FloatArray
+
+
+def _cross(model: ErrorModel, rows: Rows, tie: Observation) -> _Cross:
+    count, size = len(rows), len(tie.value)
+    up = np.zeros((count, size))
+    if not tie.is_place:
+        return _Cross(
+            model.chainage_chainage(rows, tie.row)[:, None],
+            model.chainage_place(rows, tie.row, swap=True)[:, :, None],
+            up,
+        )
+    chainage, place = np.zeros((count, size)), np.zeros((count, 2, size))
+    chainage[:, :2] = model.chainage_place(rows, tie.row)
+    place[:, :, :2] = model.place_place(rows, tie.row)
+    if size == 3:
+        up[:, 2] = model.up_up(rows, tie.row)
+    return _Cross(chainage, place, up)
+
+
+def _mean(model: ErrorModel, ties: tuple[Observation, ...], alpha: FloatArray, zero: FloatArray) -> Deviation:
+    """Mean of each error at all rows given the ties: its covariances with them, times their weights."""
+    rows = np.arange(len(zero))
+    scale, heading, along, cross, up = 0.0, zero.copy(), zero.copy(), zero.copy(), zero.copy()
+    at = 0
+    for tie in ties:
+        weight = alpha[at : at + len(tie.value)]
+        at += len(tie.value)
+        first = np.minimum(rows, tie.row)
+        if not tie.is_place:
+            scale += model.sigmas.scale**2 * float(model.chainage_m[tie.row] * weight[0])
+            along += model.walks.along_m2[first] * weight[0]
+            continue
+        scale += model.sigmas.scale**2 * float(model.scaled_m[tie.row] @ weight[:2])
+        heading += model.heading_place(rows, tie.row) @ weight[:2]
+        along += model.slip_e[first] @ weight[:2]
+        cross += model.side_f[first] @ weight[:2]
+        if len(weight) == 3:
+            up += model.up_up(rows, tie.row) * weight[2]
+    return Deviation(scale, heading, along, cross, up)
+
+
+def variances(solution: Solution) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Posterior variances (m,) along (of the chainage), across the way, and up."""
+    model = solution.model
+    count = len(model.chainage_m)
+    along, cross, up = np.empty(count), np.empty(count), np.empty(count)
+    ahead = np.vstack([model.direction, model.direction[-1:]])
+    side = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    # S⁻¹ = L Lᵀ, so what the ties take off is the squared size of K L
+    root = np.linalg.cholesky(solution.inverse) if len(solution.alpha) else np.zeros((0, 0))
+    for start in range(0, count, _BLOCK_ROWS):
+        rows = np.arange(start, min(start + _BLOCK_ROWS, count))
+        own = model.place_place(rows, rows)
+        along[rows] = (
+            (model.sigmas.scale * model.chainage_m[rows]) ** 2 + model.walks.along_m2[rows] + model.sigmas.start_m**2
+        )
+        cross[rows] = np.einsum("ki,kij,kj->k", side[rows], own, side[rows])
+        up[rows] = model.up_up(rows, rows)
+        if not solution.ties:
+            continue
+        parts = [_cross(model, rows, tie) for tie in solution.ties]
+        along[rows] -= np.sum((np.hstack([p.chainage for p in parts]) @ root) ** 2, axis=1)
+        level = np.concatenate([p.place for p in parts], axis=2)
+        cross[rows] -= np.sum((np.einsum("ki,kij->kj", side[rows], level) @ root) ** 2, axis=1)
+        up[rows] -= np.sum((np.hstack([p.up for p in parts]) @ root) ** 2, axis=1)
+    return tuple(np.maximum(v, 1e-6) for v in (along, cross, up))  # type: ignore[return-value]

@@ -1,0 +1,92 @@
+"""When a carried device stands still: the Butterworth measure of P3 and P0, and the energy of the angular rate.
+
+P3, section 5.3: |a| is high-pass filtered, made absolute, low-pass filtered, and compared with a threshold. The high
+pass only takes off the resting level, so here that level is found directly (the quietest seconds of the run), which
+holds for any sample rate and any share of walking; a device that turns does not rest, whatever its |a| says.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from processing.settings import PositionSettings
+from processing.survey import BoolArray, FloatArray
+
+_LOW_PASS_HZ = 5.0
+_ENERGY_S = 0.1
+_STANDARD_GRAVITY = 9.80665
+
+
+@dataclass(frozen=True)
+class Stillness:
+    """``still`` (n,) at each sample, and the resting size of the specific force, which is gravity on this sensor."""
+
+    still: BoolArray
+    gravity_mps2: float
+
+
+def find_stillness(
+    time_s: FloatArray, acc_mps2: FloatArray, gyr_radps: FloatArray, settings: PositionSettings
+) -> Stillness:
+    """Return where a device with |a| ``acc_mps2`` (n,) and |ω| ``gyr_radps`` (n,) at ``time_s`` (n,) stands still.
+
+    Source: P3 section 5.3 and P0 section 3 (Butterworth), Skog et al. 2010 (angular-rate energy).
+    """
+    rate_hz = 1.0 / float(np.median(np.diff(time_s)))
+    gravity = resting_level(acc_mps2, gyr_radps, rate_hz)
+    quiet = _low_passed(np.abs(acc_mps2 - gravity), rate_hz) < settings.still_acc_mps2
+    quiet &= _smooth(gyr_radps**2, _ENERGY_S * rate_hz) < np.radians(settings.still_gyr_dps) ** 2
+    # a gap in the samples says nothing about rest
+    step = np.diff(time_s)
+    gap = np.flatnonzero(step > 0.25)
+    quiet[gap] = False
+    quiet[gap + 1] = False
+    return Stillness(_only_long(time_s, quiet, settings), gravity)
+
+
+def resting_level(acc_mps2: FloatArray, gyr_radps: FloatArray, rate_hz: float) -> float:
+    """Return |a| at rest: its median over the quietest quarter seconds, or standard gravity where that is not sane."""
+    width = max(round(0.25 * rate_hz), 1)
+    count = len(acc_mps2) // width
+    if count < 2:
+        return _STANDARD_GRAVITY
+    acc = acc_mps2[: count * width].reshape(count, width)
+    gyr = gyr_radps[: count * width].reshape(count, width)
+    # a metre lever turns 1 rad/s into 1 m/s²: one common scale for both kinds of unrest
+    unrest = np.std(acc, axis=1) + np.sqrt(np.mean(gyr**2, axis=1))
+    quietest = np.argsort(unrest, kind="stable")[: max(count // 50, 2)]
+    level = float(np.median(np.mean(acc[quietest], axis=1)))
+    return level if 9.0 < level < 10.6 else _STANDARD_GRAVITY
+
+
+def spans_of(mask: BoolArray) -> "np.ndarray[tuple[int, int], np.dtype[np.intp]]":
+    """Return the runs of True as rows ``(first, last)`` (k, 2), both included."""
+    edges = np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
+    return np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1])
+
+
+def _low_passed(values: FloatArray, rate_hz: float) -> FloatArray:
+    from scipy.signal import butter, sosfiltfilt
+
+    cut = _LOW_PASS_HZ / (0.5 * rate_hz)
+    if cut >= 0.95 or len(values) < 12:  # too slow a sensor to smooth
+        return values
+    return np.asarray(sosfiltfilt(butter(1, cut, output="sos"), values), dtype=np.float64)
+
+
+def _smooth(values: FloatArray, width: float) -> FloatArray:
+    from scipy.ndimage import uniform_filter1d
+
+    return np.asarray(uniform_filter1d(values, max(round(width), 1), mode="nearest"), dtype=np.float64)
+
+
+def _only_long(time_s: FloatArray, quiet: BoolArray, settings: PositionSettings) -> BoolArray:
+    """Drop the edges of each quiet span, then the spans that are too short; the run's own ends have no edge."""
+    still = np.zeros_like(quiet)
+    for first, last in spans_of(quiet):
+        start = time_s[first] + (settings.still_margin_s if first > 0 else 0.0)
+        end = time_s[last] - (settings.still_margin_s if last < len(time_s) - 1 else 0.0)
+        if end - start >= settings.still_min_s:
+            still[slice(*np.searchsorted(time_s, [start, end], side="left"))] = True
+            still[min(int(np.searchsorted(time_s, end)), len(time_s) - 1)] = True
+    return still
