@@ -13,6 +13,7 @@ from processing.storage import database as db_file
 from processing.storage.documents import write_survey
 from processing.storage.files import copy_hashed, reading, safe_name, sync_folder, writing
 from processing.storage.lock import acquire, is_abandoned
+from processing.storage.plain import storable
 from processing.survey import ImportedFile, Survey
 
 SUFFIX = ".leakline"
@@ -126,15 +127,20 @@ def _names(paths: list[Path]) -> list[Path]:
         with suppress(ValueError):  # on Windows: on different drives
             common = os.path.commonpath([path.parent for path in absolute])
             if Path(common) != Path(common).parent:  # the root of a disc is no folder of a recording
-                return [path.relative_to(common) for path in absolute]
+                return [Path(*map(_storable_name, path.relative_to(common).parts)) for path in absolute]
     names: list[Path] = []
     for path in absolute:
-        name, count = path.name, 1
+        name, count = _storable_name(path.name), 1
         while name.casefold() in {taken.name.casefold() for taken in names}:
             count += 1
             name = f"{path.stem}-{count}{path.suffix}"
         names.append(Path(name))
     return names
+
+
+def _storable_name(name: str) -> str:
+    """Return ``name`` as it is, unless its bytes are no text: then without those."""
+    return name if storable(name) == name else safe_name(name, "file")
 
 
 def _new_folder(target_dir: Path, name: str) -> Path:

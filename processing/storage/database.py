@@ -128,9 +128,8 @@ def open_read_only(path: Path) -> Database:
     """
     check_header(path)
     with told(path):
-        database = Database(_connect(path, "mode=ro"), path, read_only=True)
         try:
-            return _checked(database)
+            return _checked(Database(_connect(path, "mode=ro"), path, read_only=True))
         except (sqlite3.OperationalError, LeaklineError):
             journal = path.with_name(path.name + "-journal")
             if journal.exists() and journal.stat().st_size > 0:

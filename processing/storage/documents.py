@@ -10,7 +10,7 @@ from typing import Any
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.settings import Settings, with_value
 from processing.storage.database import Database
-from processing.storage.plain import from_json, from_plain, to_json, to_plain
+from processing.storage.plain import from_json, from_plain, storable, to_json, to_plain
 from processing.survey import Finding, Severity, Survey, TiePoint
 
 _TIE_POINTS = "tie_points"
@@ -47,7 +47,9 @@ def _write_tie_points(db: Connection, points: tuple[TiePoint, ...], operator: st
     if before == after:
         return
     db.execute("DELETE FROM tie_points")
-    rows = [(i, point.name, point.time_s, text) for i, (point, text) in enumerate(zip(points, after, strict=True))]
+    rows = [
+        (i, storable(point.name), point.time_s, text) for i, (point, text) in enumerate(zip(points, after, strict=True))
+    ]
     db.executemany("INSERT INTO tie_points (position, name, time_s, value) VALUES (?, ?, ?, ?)", rows)
     _log(db, operator, _TIE_POINTS, f"[{','.join(before)}]", f"[{','.join(after)}]")
 
@@ -55,7 +57,7 @@ def _write_tie_points(db: Connection, points: tuple[TiePoint, ...], operator: st
 def _log(db: Connection, operator: str, part: str, before: str | None, after: str) -> None:
     now = datetime.now(UTC).isoformat(timespec="milliseconds")
     sql = "INSERT INTO survey_log (at_utc, operator, part, before, after) VALUES (?, ?, ?, ?, ?)"
-    db.execute(sql, (now, operator, part, before, after))
+    db.execute(sql, (now, storable(operator), part, before, after))
 
 
 def read_settings(database: Database) -> tuple[Settings, tuple[Finding, ...]]:

@@ -10,6 +10,7 @@ import os
 import secrets
 import socket
 import time
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,6 +21,7 @@ from processing.storage.processes import own_start, process_start
 
 LOCK_NAME = "survey.lock"
 _PATIENCE_S = 1.0  # another process may be between creating the file and writing its name into it
+_TRIES = 100
 _LARGEST = 4096  # bytes; a lock is two hundred
 
 
@@ -35,7 +37,10 @@ class Holder:
     token: str
 
     def __str__(self) -> str:
-        return f"{self.user}@{self.host}, {self.since_utc}"
+        return f"{self.user}@{self.host}, {self.since_utc}" if self.pid else "?"
+
+
+NOBODY = Holder(0, "", "", "", "", "")  # holds a lock that cannot be understood
 
 
 @dataclass(frozen=True)
@@ -48,9 +53,10 @@ class Lock:
 
     def release(self) -> None:
         """Give the lock back, if it is still ours; calling it twice does no harm."""
-        found = read_holder(self.path)
-        if found is not None and found.token == self.holder.token:
-            self.path.unlink(missing_ok=True)
+        with suppress(OSError):  # the stick is pulled: its lock will be found dead
+            found = read_holder(self.path)
+            if found is not None and found.token == self.holder.token:
+                self.path.unlink(missing_ok=True)
 
 
 def acquire(folder: Path, *, take_over: bool = False) -> Lock:
@@ -64,32 +70,35 @@ def acquire(folder: Path, *, take_over: bool = False) -> Lock:
     """
     path = folder / LOCK_NAME
     mine = _myself()
-    taken_from: str | None = None
-    for _ in range(20):
+    for _ in range(_TRIES):
         if _create(path, mine):
-            return Lock(path, mine, taken_from)
+            return Lock(path, mine)
         found = _wait_for_holder(path)
         if found is not None and _alive(found, take_over=take_over):
             raise LeaklineError(ErrorCode.SURVEY_LOCKED, Place(folder), owner=str(found))
-        if _remove(path, found):
-            taken_from = str(found) if found is not None else "?"
+        if found is not None and _take_over(path, found, mine):
+            return Lock(path, mine, taken_from=str(found))
+        time.sleep(0.02)
     raise LeaklineError(ErrorCode.SURVEY_LOCKED, Place(folder), owner="?")
 
 
 def is_abandoned(folder: Path) -> bool:
     """Return whether ``folder`` has a lock whose holder died on this computer."""
-    found = read_holder(folder / LOCK_NAME)
+    try:
+        found = read_holder(folder / LOCK_NAME)
+    except OSError:
+        return False
     return found is not None and not _alive(found, take_over=False)
 
 
 def read_holder(path: Path) -> Holder | None:
-    """Return who holds the lock, None if there is none or it cannot be understood."""
+    """Return who holds the lock, None if there is none or it cannot be understood; raises OSError if unreadable."""
     try:
         with path.open("rb") as file:
             plain = json.loads(file.read(_LARGEST))
         texts = {key: str(plain[key]) for key in ("host", "user", "since_utc", "process_start", "token")}
         return Holder(pid=int(plain["pid"]), **texts)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (FileNotFoundError, ValueError, KeyError, TypeError, RecursionError):
         return None
 
 
@@ -103,7 +112,7 @@ def _myself() -> Holder:
 
 
 def _create(path: Path, holder: Holder) -> bool:
-    text = json.dumps(asdict(holder), ensure_ascii=False).encode()
+    text = json.dumps(asdict(holder)).encode()
     with writing(path):
         try:
             handle = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0), 0o644)
@@ -125,32 +134,51 @@ def _create(path: Path, holder: Holder) -> bool:
 
 
 def _wait_for_holder(path: Path) -> Holder | None:
-    """Return the holder; None if the file is gone, or stays empty or garbled: its writer died at once."""
+    """Return the holder, None if the file is gone; NOBODY if it stays garbled: its writer died at once."""
     deadline = time.monotonic() + _PATIENCE_S
-    while (found := read_holder(path)) is None and path.exists() and time.monotonic() < deadline:
+    while path.exists():
+        unreadable = None
+        try:
+            found = read_holder(path)
+        except OSError as error:  # another user's, or for a moment in the hands of a virus scanner
+            found, unreadable = None, error
+        if found is not None:
+            return found
+        if time.monotonic() > deadline:
+            if unreadable is not None:
+                raise LeaklineError(ErrorCode.SURVEY_LOCKED, Place(path), owner=str(unreadable.strerror))
+            return NOBODY
         time.sleep(0.02)
-    return found
+    return None
 
 
 def _alive(holder: Holder, *, take_over: bool) -> bool:
+    if holder == NOBODY:
+        return False
     if holder.host != socket.gethostname():
         return not take_over
     start = process_start(holder.pid)
     return start is not None and (start == holder.process_start or "unknown" in (start, holder.process_start))
 
 
-def _remove(path: Path, seen: Holder | None) -> bool:
-    """Take a dead lock away by renaming: of several that try only one succeeds, and it looks what it has got."""
-    aside = path.with_name(f"{path.name}.{secrets.token_hex(4)}")
+def _take_over(path: Path, seen: Holder, mine: Holder) -> bool:
+    """Put ``mine`` in the place of the dead lock ``seen``; False if somebody else is about it or has done it.
+
+    Only who holds the guard may do so, and the lock never goes away meanwhile: nobody else can create it.
+    """
+    guard = path.with_name(f"{path.name}.guard")
+    if not _create(guard, mine):
+        left = _wait_for_holder(guard)
+        if left is not None and not _alive(left, take_over=False):
+            guard.unlink(missing_ok=True)  # its holder died within these few milliseconds
+        return False
     try:
-        path.rename(aside)
-    except FileNotFoundError:
-        return False
-    except OSError as error:
-        raise LeaklineError(ErrorCode.CANNOT_WRITE, Place(path), reason=error.strerror or str(error)) from error
-    got = read_holder(aside)
-    if got != seen and not path.exists():
-        aside.rename(path)  # somebody else took over in between: it is theirs
-        return False
-    aside.unlink(missing_ok=True)
-    return True
+        if _wait_for_holder(path) != seen:
+            return False
+        aside = path.with_name(f"{path.name}.{mine.token}")
+        with writing(path):
+            _create(aside, mine)
+            aside.replace(path)
+        return True
+    finally:
+        guard.unlink(missing_ok=True)

@@ -62,8 +62,16 @@ def from_plain(kind: type[T], value: object, arrays: Arrays = _NO_ARRAYS) -> T:
 
 
 def to_json(thing: object) -> str:
-    """Return ``thing`` as one line of JSON with stable key order."""
-    return json.dumps(to_plain(thing), ensure_ascii=False, sort_keys=True, separators=(",", ":"))
+    """Return ``thing`` as one line of JSON, keys in their order."""
+    plain = to_plain(thing)
+    text = json.dumps(plain, ensure_ascii=False, separators=(",", ":"))
+    # the rest of an undecodable file name has no UTF-8 form; escaped it survives
+    return text if storable(text) == text else json.dumps(plain, separators=(",", ":"))
+
+
+def storable(text: str) -> str:
+    """Return ``text`` with a question mark for what has no UTF-8 form."""
+    return text.encode("utf-8", "replace").decode("utf-8")
 
 
 def from_json(kind: type[T], text: str) -> T:
@@ -80,6 +88,8 @@ def _hints(kind: type) -> dict[str, Any]:
 
 
 def _build(hint: Any, value: object, arrays: Arrays) -> object:  # noqa: ANN401  # a type hint has no type
+    if hint is type(value) and hint in (float, str):  # the most frequent by far
+        return value
     origin = typing.get_origin(hint)
     if origin in (typing.Union, types.UnionType):
         return _build_union(typing.get_args(hint), value, arrays)

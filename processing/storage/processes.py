@@ -16,9 +16,8 @@ def process_start(pid: int) -> str | None:
         return None
     if sys.platform == "win32":
         return _start_on_windows(pid)
-    if Path("/proc/self/stat").exists():
-        return _start_on_linux(pid)
-    return _start_by_ps(pid)
+    else:  # noqa: RET505  # the type checker reads one branch for each system
+        return _start_on_linux(pid) if Path("/proc/self/stat").exists() else _start_by_ps(pid)
 
 
 def own_start() -> str:

@@ -12,7 +12,7 @@ from sqlite3 import Connection
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.storage.carrying import partners
 from processing.storage.database import Database, Row
-from processing.storage.plain import from_json, to_json
+from processing.storage.plain import from_json, storable, to_json
 from processing.survey import Candidate, Decision, Params, Run
 
 UNDECIDED = Decision()
@@ -348,4 +348,4 @@ def _insert_candidate(db: Connection, run_id: int, candidate: Candidate) -> Cand
 
 def _log(db: Connection, operator: str, reason: Reason, candidate_id: int, before: Decision, after: Decision) -> int:
     sql = "INSERT INTO decision_log (at_utc, operator, reason, candidate_id, before, after) VALUES (?, ?, ?, ?, ?, ?)"
-    return _inserted(db, sql, (_now(), operator, reason.value, candidate_id, to_json(before), to_json(after)))
+    return _inserted(db, sql, (_now(), storable(operator), reason.value, candidate_id, to_json(before), to_json(after)))
