@@ -1,0 +1,187 @@
+"""Strips of what the IMU felt: specific force, turn rate, and the speed that follows; drawn from envelopes."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Signal
+from PySide6.QtGui import QColor, QPainter
+from PySide6.QtWidgets import QWidget
+
+from processing.survey import Channel, FloatArray, ImuSamples, Track
+from widgets.curve_plot import Curve, CurvePlot, padded
+from widgets.envelope import EnvelopePyramid, joined
+from widgets.latest_loader import LatestLoader
+from widgets.linked_plot import Readout
+from widgets.plot_paint import paint_columns, paint_y_axis
+from widgets.plot_scale import Scale
+from widgets.plot_theme import LIGHT, Theme
+from widgets.time_cursor import TimeCursor
+
+SHOWN_PART = 0.999
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The envelopes of one IMU log: norms, and the three axes of the turn rate; speed where there is a track."""
+
+    acc_mps2: Curve
+    gyr_dps: Curve
+    gyr_axes_dps: tuple[Curve, Curve, Curve]
+    speed_mps: Curve | None
+
+
+def build_signals(imu: ImuSamples, track: Track | None) -> Signals:
+    """Return the envelopes; takes a second or so for hours of samples, so it belongs into a worker."""
+
+    def curve(samples: Callable[[slice], FloatArray]) -> Curve:
+        def read(start: int, stop: int) -> FloatArray:
+            part = slice(start, stop)
+            return np.where(imu.valid[part], samples(part), np.nan)
+
+        return Curve(EnvelopePyramid.build(imu.time_s, read))
+
+    def axis(number: int) -> Curve:
+        return curve(lambda part: np.degrees(imu.gyr_s_radps[part, number]))
+
+    speed = None
+    if track is not None and len(track.time_s):
+        speed = Curve(EnvelopePyramid.build(track.time_s, track.speed_mps))
+    return Signals(
+        curve(lambda part: np.linalg.norm(imu.acc_s_mps2[part], axis=1)),
+        curve(lambda part: np.degrees(np.linalg.norm(imu.gyr_s_radps[part], axis=1))),
+        (axis(0), axis(1), axis(2)),
+        speed,
+    )
+
+
+@dataclass(frozen=True)
+class Strip:
+    """One strip: its name, unit, curves with their colours, and its vertical axis."""
+
+    name: str
+    unit: str
+    curves: tuple[tuple[Curve, str], ...]
+    scale: Scale
+
+
+class ImuView(CurvePlot):
+    """Strips above one another; the envelopes are built by a worker after :meth:`set_imu`."""
+
+    ready = Signal()
+
+    def __init__(
+        self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None, *, show_x_axis: bool = True
+    ) -> None:
+        super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
+        self.setAccessibleName(self.tr("Motion sensor"))
+        self._channel = Channel.PATH
+        self._signals: Signals | None = None
+        self._strips: tuple[Strip, ...] = ()
+        self._axes = False
+        self._loader = LatestLoader(self)
+        self._loader.loaded.connect(self._take)
+
+    def set_imu(self, imu: ImuSamples | None, track: Track | None = None) -> None:
+        """Show these samples, and the speed of a track; None shows none. Waits for a build in work."""
+        self._loader.stop()
+        self._signals, self._strips = None, ()
+        if imu is not None and len(imu.time_s):
+            self._loader.request(lambda: build_signals(imu, track))
+        self.invalidate()
+
+    def set_gyro_axes(self, shown: bool) -> None:
+        """Show the turn rate about the three axes of the sensor instead of its norm."""
+        self._axes = shown
+        self._arrange()
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw in these colours and letters."""
+        super().apply_theme(theme)
+        self._arrange()
+
+    def strip_rects(self) -> list[QRectF]:
+        """Return where the strips stand within the plot, top first."""
+        rect, count = self.plot_rect(), len(self._strips)
+        tops = [round(rect.top() + k * rect.height() / count) for k in range(count + 1)] if count else []
+        return [QRectF(rect.left(), a, rect.width(), b - a - 2) for a, b in pairwise(tops)]
+
+    def _take(self, signals: Signals) -> None:
+        self._signals = signals
+        self._arrange()
+        self.ready.emit()
+
+    def _arrange(self) -> None:
+        if self._signals is None:
+            return
+        theme, signals = self._theme, self._signals
+        gyr = (
+            tuple(zip(signals.gyr_axes_dps, (theme.curve, theme.curve_second, theme.curve_third), strict=True))
+            if self._axes
+            else ((signals.gyr_dps, theme.curve),)
+        )
+        strips = [
+            _strip(self.tr("force"), self.tr("m/s²"), ((signals.acc_mps2, theme.curve),), 1.0),
+            _strip(self.tr("turn rate"), self.tr("°/s"), gyr, 1.0),
+        ]
+        if signals.speed_mps is not None:
+            strips.append(_strip(self.tr("speed"), self.tr("m/s"), ((signals.speed_mps, theme.curve),), 0.1))
+        self._strips = tuple(strips)
+        self.invalidate()
+
+    def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
+        if not self._strips:
+            self._paint_hint(painter, rect, self.tr("Reading …") if self._loader.busy else self.tr("No motion data"))
+            return
+        count, left = self.columns(), self._axis_left()
+        for strip, room in zip(self._strips, self.strip_rects(), strict=True):
+            label = strip.name if room.height() > 5 * self._theme.metrics().height() else ""
+            paint_y_axis(painter, room, strip.scale, self._theme, label, self._tick_text, left)
+            for curve, colour in strip.curves:
+                low, high = joined(*curve.columns(self._cursor, count))
+                paint_columns(painter, room, low, high, strip.scale, QColor(colour), 0.8 * self._theme.line_width)
+            painter.setPen(QColor(self._theme.text))
+            painter.drawLine(room.bottomLeft() + QPointF(0, 1), room.bottomRight() + QPointF(0, 1))
+
+    def _paint_values(self, painter: QPainter, rect: QRectF) -> None:
+        for strip, room in zip(self._strips, self.strip_rects(), strict=True):
+            box = QRectF(rect.left(), room.top(), rect.width(), room.height())
+            self._paint_value(painter, box, 0, strip.name, self._theme.text)
+            for row, (curve, colour) in enumerate(strip.curves, start=1):
+                value = curve.value_at_cursor(self._cursor)
+                digits = 0 if abs(value) >= 1000 else 1 if abs(value) >= 10 else 2
+                self._paint_value(painter, box, row, self._value_text(value, digits, strip.unit), colour)
+
+    def _strip_at(self, place: QPointF) -> int | None:
+        return next((k for k, room in enumerate(self.strip_rects()) if room.top() <= place.y() <= room.bottom()), None)
+
+    def _readout(self, place: QPointF) -> Readout:
+        base, number = super()._readout(place), self._strip_at(place)
+        if number is None:
+            return base
+        strip = self._strips[number]
+        value = strip.curves[0][0].by_time.value_at(self.time_of_pixel(place.x()))
+        known = value if math.isfinite(value) else None
+        return Readout(base.time_s, base.chainage_m, base.position_w_m, value=known, unit=strip.unit)
+
+    def _zoom_vertical(self, factor: float, place: QPointF) -> None:
+        number = self._strip_at(place)
+        if number is None:
+            return
+        strip, room = self._strips[number], self.strip_rects()[number]
+        part = (room.bottom() - place.y()) / max(room.height(), 1.0)
+        scale = strip.scale.zoomed(factor, part, (-1e6, 1e6), 1e-3)
+        changed = Strip(strip.name, strip.unit, strip.curves, scale)
+        self._strips = (*self._strips[:number], changed, *self._strips[number + 1 :])
+        self.invalidate()
+
+    def _fit_vertical(self) -> None:
+        self._arrange()
+
+
+def _strip(name: str, unit: str, curves: tuple[tuple[Curve, str], ...], least: float) -> Strip:
+    spans = [span for curve, _ in curves if (span := curve.by_time.span(SHOWN_PART)) is not None]
+    whole = (min(s[0] for s in spans), max(s[1] for s in spans)) if spans else None
+    return Strip(name, unit, curves, Scale(*padded(whole, least)))

@@ -1,0 +1,127 @@
+"""The level of the leak band along the pipe, with the local background and the threshold that candidates must pass."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtWidgets import QWidget
+
+from processing.survey import Candidate, Channel, FloatArray
+from widgets.curve_plot import Curve, CurvePlot, padded
+from widgets.envelope import EnvelopePyramid
+from widgets.linked_plot import Readout
+from widgets.plot_theme import LIGHT, Theme
+from widgets.time_cursor import TimeCursor
+
+
+@dataclass(frozen=True)
+class LevelCurves:
+    """Levels in dB at n places: ``time_s`` never falling; ``chainage_m`` never falling, None without a track.
+
+    ``threshold_db`` is what a peak must reach, as a level like the others; NaN is "not assessed".
+    """
+
+    time_s: FloatArray  # (n,)
+    level_db: FloatArray  # (n,)
+    chainage_m: FloatArray | None = None  # (n,)
+    background_db: FloatArray | None = None  # (n,)
+    threshold_db: FloatArray | None = None  # (n,)
+
+
+class LevelView(CurvePlot):
+    """Level, background and threshold; candidates sit on the curve."""
+
+    def __init__(
+        self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None, *, show_x_axis: bool = True
+    ) -> None:
+        super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
+        self.setAccessibleName(self.tr("Level along the pipe"))
+        self._channel = Channel.SOUND
+        self._level: Curve | None = None
+        self._background: Curve | None = None
+        self._threshold: Curve | None = None
+
+    def set_levels(self, curves: LevelCurves | None) -> None:
+        """Show these levels; None shows none."""
+        self._level = self._background = self._threshold = None
+        if curves is not None and len(curves.time_s):
+            self._level = _curve(curves, curves.level_db)
+            self._background = _curve(curves, curves.background_db)
+            self._threshold = _curve(curves, curves.threshold_db)
+            spans = [c.by_time.span() for c in (self._level, self._background, self._threshold) if c is not None]
+            known = [s for s in spans if s is not None]
+            whole = (min(s[0] for s in known), max(s[1] for s in known)) if known else None
+            # room on top for the marks
+            low, high = padded(whole, 6.0)
+            self._set_whole(low, high + 0.12 * (high - low))
+        self.invalidate()
+
+    def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
+        if self._level is None:
+            self._paint_hint(painter, rect, self.tr("No level yet"))
+            return
+        self._paint_axis(painter, rect, self.tr("dB"))
+        if self._background is not None:
+            self._paint_curve(painter, rect, self._background, self._theme.curve_third)
+        if self._threshold is not None:
+            self._paint_curve(painter, rect, self._threshold, self._theme.curve_second)
+        self._paint_curve(painter, rect, self._level, self._theme.curve)
+        self._paint_stems(painter, rect)
+
+    def _paint_stems(self, painter: QPainter, rect: QRectF) -> None:
+        """Show with a bar at the foot the stretch within which each candidate lies in 95 of 100 cases."""
+        for candidate in self._marks.in_drawing_order():
+            centre = self._mark_centre(candidate)
+            if centre is None:
+                continue
+            painter.setPen(QPen(QColor(self._theme.text), 1, Qt.PenStyle.DotLine))
+            painter.drawLine(centre, QPointF(centre.x(), rect.bottom()))
+            ends = self._cursor.x_of_chainage(np.array([candidate.chainage_low95_m, candidate.chainage_high95_m]))
+            if np.all(np.isfinite(ends)):
+                left, right = (min(max(self.pixel_of_x(float(x)), rect.left()), rect.right()) for x in ends)
+                painter.fillRect(
+                    QRectF(left, rect.bottom() - 4, max(right - left, 2.0), 4),
+                    self._theme.verdict_colour(self._marks.verdict(candidate)),
+                )
+
+    def _mark_centre(self, candidate: Candidate) -> QPointF | None:
+        at_top = super()._mark_centre(candidate)
+        if at_top is None or self._level is None:
+            return at_top
+        pyramid, place = self._level.by_time, candidate.time_s
+        if self._level.by_chainage is not None and math.isfinite(candidate.chainage_m):
+            pyramid, place = self._level.by_chainage, candidate.chainage_m
+        value = pyramid.value_at(place) if math.isfinite(place) else math.nan
+        if not math.isfinite(value):
+            return at_top
+        y = self.y_of(value) - 1.8 * self.mark_radius()
+        rect = self.plot_rect()
+        return QPointF(at_top.x(), min(max(y, at_top.y()), rect.bottom() - self.mark_radius()))
+
+    def _paint_values(self, painter: QPainter, rect: QRectF) -> None:
+        rows = (
+            (self._level, self._theme.curve),
+            (self._threshold, self._theme.curve_second),
+            (self._background, self._theme.curve_third),
+        )
+        for row, (curve, colour) in enumerate(rows):
+            if curve is not None:
+                text = self._value_text(curve.value_at_cursor(self._cursor), 1, self.tr("dB"))
+                self._paint_value(painter, rect, row, text, colour)
+
+    def _readout(self, place: QPointF) -> Readout:
+        base = super()._readout(place)
+        time_s = self.time_of_pixel(place.x())
+        level = self._level.by_time.value_at(time_s) if self._level is not None else math.nan
+        return Readout(time_s, base.chainage_m, base.position_w_m, level_db=level if math.isfinite(level) else None)
+
+
+def _curve(curves: LevelCurves, values: FloatArray | None) -> Curve | None:
+    if values is None:
+        return None
+    by_time = EnvelopePyramid.build(curves.time_s, values, gap=math.inf)
+    metres = curves.chainage_m
+    by_chainage = EnvelopePyramid.build(metres, values, gap=math.inf) if metres is not None else None
+    return Curve(by_time, by_chainage)

@@ -1,0 +1,206 @@
+"""Strokes of the plan view: grid, path, interval, pins, names that keep off each other, scale bar and north arrow."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from PySide6.QtCore import QLocale, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+
+from processing.survey import FloatArray, Track
+from widgets.plan_geometry import PlanScale, band_outline, runs
+from widgets.plot_paint import free_box, paint_tag
+from widgets.plot_scale import multiples, nice_step, number_text, tick_digits
+from widgets.plot_theme import Theme
+
+SIGMAS_95 = 1.96
+BAND_STEP_PIXELS = 6.0
+ELLIPSE_STEP_PIXELS = 110.0
+SMALLEST_ELLIPSE_PIXELS = 3.0
+
+
+def polygon(pixels: FloatArray) -> QPolygonF:
+    """Return a polygon of pixels (n, 2)."""
+    return QPolygonF([QPointF(x, y) for x, y in pixels.tolist()])
+
+
+def paint_grid(painter: QPainter, theme: Theme, scale: PlanScale) -> None:
+    """Draw lines of round east and north."""
+    step = nice_step(scale.size[0] / scale.pixels_per_m, max(2, int(scale.size[0] / 90)))
+    west, north = scale.metres(0.0, 0.0)
+    east, south = scale.metres(*scale.size)
+    painter.setPen(QPen(QColor(theme.grid), 1))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+    for value in multiples(west, east, step):
+        x = scale.pixel(value, 0.0)[0]
+        painter.drawLine(QPointF(x, 0.0), QPointF(x, scale.size[1]))
+    for value in multiples(south, north, step):
+        y = scale.pixel(0.0, value)[1]
+        painter.drawLine(QPointF(0.0, y), QPointF(scale.size[0], y))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+
+
+def paint_run(
+    painter: QPainter,
+    pixels: FloatArray,
+    colour: str,
+    width: float,
+    *,
+    alpha: int = 255,
+    keep: npt.NDArray[np.bool_] | None = None,
+    dashed: bool = False,
+) -> None:
+    """Draw those stretches of a polyline (n, 2) whose points are to be kept; each reaches to the next point."""
+    shade = QColor(colour)
+    shade.setAlpha(alpha)
+    style = Qt.PenStyle.DotLine if dashed else Qt.PenStyle.SolidLine
+    pen = QPen(shade, width, style, Qt.PenCapStyle.FlatCap, Qt.PenJoinStyle.BevelJoin)
+    painter.setPen(pen)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    stretches = [(0, len(pixels))] if keep is None else runs(keep)
+    for first, last in stretches:
+        painter.drawPolyline(polygon(pixels[first : last + 1]))
+
+
+def paint_band(painter: QPainter, theme: Theme, scale: PlanScale, track: Track, time_s: FloatArray) -> None:
+    """Draw the 95 % interval of a stretch of the path: a band across, and ellipses every so often."""
+    sparse = _spaced(track, time_s, scale, BAND_STEP_PIXELS)
+    if len(sparse) < 2:
+        return
+    plane, along, across = _interval(track, sparse)
+    if float(np.max(across)) * scale.pixels_per_m < 1.0 and float(np.max(along)) * scale.pixels_per_m < 1.0:
+        return
+    fill = QColor(theme.band)
+    fill.setAlpha(90)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(fill)
+    painter.drawPolygon(polygon(scale.pixels(band_outline(plane, across))), Qt.FillRule.WindingFill)
+    painter.setPen(QPen(QColor(theme.band), 0.8 * theme.line_width))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    every = max(1, round(ELLIPSE_STEP_PIXELS / BAND_STEP_PIXELS))
+    heading = np.gradient(plane, axis=0)
+    for k in range(every // 2, len(plane), every):
+        a, b = along[k] * scale.pixels_per_m, across[k] * scale.pixels_per_m
+        if max(a, b) >= SMALLEST_ELLIPSE_PIXELS:
+            painter.save()
+            painter.translate(*scale.pixel(*plane[k]))
+            painter.rotate(-math.degrees(math.atan2(heading[k, 1], heading[k, 0])))
+            painter.drawEllipse(QPointF(0.0, 0.0), float(a), float(b))
+            painter.restore()
+
+
+def _spaced(track: Track, time_s: FloatArray, scale: PlanScale, pixels: float) -> FloatArray:
+    """Return moments so far apart that the path between them is about so many pixels long."""
+    plane = _plane(track, time_s)
+    travelled = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(plane, axis=0).T)))) * scale.pixels_per_m
+    keep = np.flatnonzero(np.diff(np.floor(travelled / pixels), prepend=-1.0) > 0)
+    return np.asarray(time_s[keep])
+
+
+def _plane(track: Track, time_s: FloatArray) -> FloatArray:
+    return np.stack([np.interp(time_s, track.time_s, track.position_w_m[:, k]) for k in (0, 1)], axis=1)
+
+
+def _interval(track: Track, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    along, across = (
+        SIGMAS_95 * np.nan_to_num(np.interp(time_s, track.time_s, sigma))
+        for sigma in (track.sigma_along_m, track.sigma_cross_m)
+    )
+    return _plane(track, time_s), along, across
+
+
+def paint_cursor(painter: QPainter, theme: Theme, place: QPointF, ahead: QPointF | None) -> None:
+    """Draw where the device is at the cursor, with a stroke towards where it is going."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    for colour, extra in ((theme.outline, 3.0), (theme.cursor, 0.0)):
+        painter.setPen(QPen(QColor(colour), theme.line_width + 0.5 + extra))
+        painter.drawEllipse(place, 7.0, 7.0)
+        painter.drawLine(place + QPointF(0, -13), place + QPointF(0, -7))
+        painter.drawLine(place + QPointF(0, 7), place + QPointF(0, 13))
+        painter.drawLine(place + QPointF(-13, 0), place + QPointF(-7, 0))
+        painter.drawLine(place + QPointF(7, 0), place + QPointF(13, 0))
+        if ahead is not None and (length := math.dist(place.toTuple(), ahead.toTuple())) > 1e-6:
+            painter.drawLine(place, place + QPointF(ahead.x() - place.x(), ahead.y() - place.y()) * (20.0 / length))
+
+
+def paint_pin(painter: QPainter, theme: Theme, kind: str, centre: QPointF, radius: float) -> None:
+    """Draw a known place: launch a triangle, retrieval and tie points squares, hollow where they do not pull."""
+    colour = QColor(theme.tie_point)
+    painter.setPen(QPen(QColor(theme.outline) if kind != "unused" else colour, 1.5))
+    painter.setBrush(QColor(theme.canvas) if kind == "unused" else colour)
+    x, y, r = centre.x(), centre.y(), radius
+    if kind == "launch":
+        painter.drawPolygon(
+            QPolygonF([QPointF(x - r, y - 1.2 * r), QPointF(x + 1.3 * r, y), QPointF(x - r, y + 1.2 * r)])
+        )
+    else:
+        painter.drawRect(QRectF(x - r, y - r, 2 * r, 2 * r))
+
+
+class Labels:
+    """Writes names beside places so that they cover neither each other nor the marks; else they are left out."""
+
+    def __init__(self, painter: QPainter, theme: Theme, within: QRectF) -> None:
+        self._painter, self._theme, self._within = painter, theme, within
+        self._taken: list[QRectF] = []
+
+    def keep_free(self, centre: QPointF, radius: float) -> None:
+        """Let no name cover this mark."""
+        self._taken.append(QRectF(centre.x() - radius, centre.y() - radius, 2 * radius, 2 * radius))
+
+    def write(self, text: str, about: QPointF, away: float, *, strong: bool = False) -> bool:
+        """Write a name; False where there was no room."""
+        if not text or not self._within.contains(about):
+            return False
+        metrics = self._theme.metrics()
+        width = metrics.horizontalAdvance(text) + 8
+        box = free_box(width, metrics.height(), about, away, self._taken, self._within)
+        if box is None:
+            return False
+        self._taken.append(box)
+        paint_tag(self._painter, self._theme, text, box, strong=strong)
+        return True
+
+
+def paint_scale_bar(painter: QPainter, theme: Theme, scale: PlanScale, unit: str, locale: QLocale) -> None:
+    """Draw a bar of round metres into the lower left corner."""
+    metrics = theme.metrics()
+    room = min(160.0, 0.4 * scale.size[0])
+    length_m = _round_down(room / scale.pixels_per_m)
+    pixels = length_m * scale.pixels_per_m
+    left, bottom = 14.0, scale.size[1] - 14.0
+    text = f"{number_text(length_m, tick_digits(length_m), locale)} {unit}"
+    width = max(pixels, metrics.horizontalAdvance(text)) + 16
+    ground = QColor(theme.canvas)
+    ground.setAlpha(215)
+    painter.fillRect(QRectF(left - 8, bottom - metrics.height() - 12, width, metrics.height() + 20), ground)
+    painter.setPen(QPen(QColor(theme.text), 1.0 + theme.line_width))
+    painter.drawLine(QPointF(left, bottom), QPointF(left + pixels, bottom))
+    for x in (left, left + pixels):
+        painter.drawLine(QPointF(x, bottom - 5), QPointF(x, bottom + 5))
+    painter.drawText(QPointF(left + 2, bottom - 7), text)
+
+
+def _round_down(value: float) -> float:
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(m * power for m in (1.0, 2.0, 5.0) if m * power <= value * (1 + 1e-9))
+
+
+def paint_north(painter: QPainter, theme: Theme, scale: PlanScale, letter: str) -> None:
+    """Draw the north arrow into the upper right corner; north is always up."""
+    metrics = theme.metrics()
+    x, top = scale.size[0] - 22.0, 10.0
+    height = 30.0
+    painter.setPen(QPen(QColor(theme.text), 1))
+    painter.setBrush(QColor(theme.text))
+    painter.drawPolygon(
+        QPolygonF([QPointF(x, top), QPointF(x + 8, top + height), QPointF(x, top + 0.75 * height), QPointF(x, top)])
+    )
+    painter.setBrush(QColor(theme.canvas))
+    painter.drawPolygon(
+        QPolygonF([QPointF(x, top), QPointF(x - 8, top + height), QPointF(x, top + 0.75 * height), QPointF(x, top)])
+    )
+    box = QRectF(x - 20, top + height, 40, metrics.height() + 2)
+    painter.setPen(QColor(theme.text))
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, letter)

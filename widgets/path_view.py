@@ -1,0 +1,384 @@
+"""The path from above: track with its 95 % interval, known places, leaks, scale and north; a click moves the cursor.
+
+Mouse: click on the path moves the cursor, drag pans, wheel zooms about the mouse, double click shows everything.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent, QWheelEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from processing.survey import Candidate, Channel, Decision, FloatArray, Stretch, TiePoint, Track
+from widgets.linked_plot import DRAG_PIXELS, ZOOM_STEP, Marks, Readout, report_paint_error
+from widgets.path_paint import (
+    Labels,
+    paint_band,
+    paint_cursor,
+    paint_grid,
+    paint_north,
+    paint_pin,
+    paint_run,
+    paint_scale_bar,
+)
+from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment, visible_runs
+from widgets.plot_theme import LIGHT, Theme, paint_verdict
+from widgets.throttle import Throttle
+from widgets.time_cursor import TimeCursor
+
+MARGIN = 48.0
+REACH_PIXELS = 40.0
+ToLocal = Callable[[TiePoint], tuple[float, float] | None]
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A named place on the plan."""
+
+    name: str
+    east_m: float
+    north_m: float
+    kind: str = "tie"  # tie | unused | launch | retrieval
+
+
+class PathView(QWidget):
+    """Plan view with equal scales of east and north; ``cursor`` is shared with the other views."""
+
+    pointed = Signal(object)  # Readout, or None when the mouse has left
+    candidate_clicked = Signal(int)
+
+    def __init__(self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName(self.tr("Path from above"))
+        self._cursor, self._theme = cursor, theme
+        self._track: Track | None = None
+        self._path: ThinnedPath | None = None
+        self._route = np.empty((0, 2))
+        self._tie_pins: tuple[Pin, ...] = ()
+        self._marks = Marks()
+        self._stretches: tuple[Stretch, ...] = ()
+        self._show_interval = True
+        self._scale = PlanScale((0.0, 0.0), 10.0, (1.0, 1.0))
+        self._fitted = True
+        self._pixmap, self._stale = QPixmap(), True
+        self._pressed: QPointF | None = None
+        self._scale_pressed = self._scale
+        self._dragged = False
+        self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        # the highlighted part costs a whole repaint: while others pan, it follows ten times a second
+        self._follow_range = Throttle(lambda *_: self.invalidate(), 100, self)
+        cursor.moved.connect(self._follow_cursor)
+        cursor.range_changed.connect(self._follow_range)
+
+    # --- what it is told ----------------------------------------------------------------------------------------
+
+    def set_track(self, track: Track | None) -> None:
+        """Show this path; None shows none. What was in view stays, unless everything was."""
+        self._track, self._path = track, ThinnedPath.from_track(track)
+        self._refit()
+
+    def set_route(self, route_w_m: FloatArray | None) -> None:
+        """Show the pipe as the map has it: (n, 2 or 3), local east and north."""
+        self._route = np.empty((0, 2)) if route_w_m is None else np.asarray(route_w_m, dtype=np.float64)[:, :2]
+        self._refit()
+
+    def set_tie_points(self, tie_points: Sequence[TiePoint], to_local: ToLocal | None = None) -> None:
+        """Show the known places: where ``to_local`` puts them, else where the device was at their moment."""
+        pins = []
+        for tie in tie_points:
+            given = to_local(tie) if to_local is not None else None
+            place = given if given is not None else self._cursor.position_at(tie.time_s)
+            if place is not None and math.isfinite(place[0]) and math.isfinite(place[1]):
+                pins.append(Pin(tie.name, place[0], place[1], "tie" if tie.enabled else "unused"))
+        self._tie_pins = tuple(pins)
+        self._refit()
+
+    def set_candidates(self, candidates: Sequence[Candidate], decisions: Mapping[int, Decision] | None = None) -> None:
+        """Show these candidates, each with its number and the mark of its verdict."""
+        self._marks = Marks(tuple(candidates), dict(decisions or {}), self._marks.selected)
+        self.invalidate()
+
+    def set_selected(self, candidate_id: int | None) -> None:
+        """Ring one candidate; None rings none."""
+        self._marks = Marks(self._marks.candidates, self._marks.decisions, candidate_id)
+        self.invalidate()
+
+    def set_not_assessed(self, stretches: Sequence[Stretch]) -> None:
+        """Draw dashed where sound or path cannot be assessed."""
+        self._stretches = tuple(stretches)
+        self.invalidate()
+
+    def set_interval_visible(self, visible: bool) -> None:
+        """Show or hide the 95 % interval."""
+        self._show_interval = visible
+        self.invalidate()
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw in these colours and letters."""
+        self._theme = theme
+        self.invalidate()
+
+    # --- what is in view ----------------------------------------------------------------------------------------
+
+    @property
+    def plan_scale(self) -> PlanScale:
+        """Where metres lie in the picture."""
+        return self._scale
+
+    def fit(self) -> None:
+        """Show everything."""
+        size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
+        places = [self._route, np.array([(p.east_m, p.north_m) for p in self._tie_pins]).reshape(-1, 2)]
+        if self._path is not None:
+            places.append(self._path.plane_m[self._path.levels[-1]])
+        self._fitted = True
+        self._set_scale(fitting(np.concatenate(places), size, min(MARGIN, 0.2 * min(size))))
+
+    def zoom(self, factor: float) -> None:
+        """Make metres ``factor`` times as large, about the cursor if it is in view."""
+        place = self._cursor_pixel()
+        inside = place is not None and QRectF(self.rect()).contains(place)
+        about = place if place is not None and inside else QRectF(self.rect()).center()
+        self._fitted = False
+        self._set_scale(self._scale.zoomed(factor, about.x(), about.y()))
+
+    def centre_on(self, east_m: float, north_m: float) -> None:
+        """Bring a place into the middle."""
+        if math.isfinite(east_m) and math.isfinite(north_m):
+            self._fitted = False
+            self._set_scale(PlanScale((east_m, north_m), self._scale.pixels_per_m, self._scale.size))
+
+    def candidate_at(self, place: QPointF) -> int | None:
+        """Return the id of the candidate whose mark lies under a pixel."""
+        for candidate in reversed(self._marks.in_drawing_order()):
+            centre = self._mark_centre(candidate)
+            if centre is not None and math.dist(centre.toTuple(), place.toTuple()) <= self._mark_radius() + 4:
+                return candidate.id
+        return None
+
+    def sizeHint(self) -> QSize:
+        """Prefer a square of some size."""
+        return QSize(480, 420)
+
+    def minimumSizeHint(self) -> QSize:
+        """Need room for the scale bar and a little path."""
+        return QSize(200, 140)
+
+    def _set_scale(self, scale: PlanScale) -> None:
+        self._scale = scale
+        self.invalidate()
+
+    def _refit(self) -> None:
+        if self._fitted:
+            self.fit()
+        self.invalidate()
+
+    def _mark_radius(self) -> float:
+        return 0.45 * self._theme.metrics().height()
+
+    def _mark_centre(self, candidate: Candidate) -> QPointF | None:
+        east, north, _ = candidate.position_w_m
+        if not (math.isfinite(east) and math.isfinite(north)):
+            return None
+        return QPointF(*self._scale.pixel(east, north))
+
+    def _cursor_pixel(self, time_s: float | None = None) -> QPointF | None:
+        place = self._cursor.position_at(self._cursor.time_s if time_s is None else time_s)
+        if place is None or not (math.isfinite(place[0]) and math.isfinite(place[1])):
+            return None
+        return QPointF(*self._scale.pixel(place[0], place[1]))
+
+    def _follow_cursor(self) -> None:
+        place = self._cursor_pixel()
+        if (
+            place is not None
+            and self._pressed is None
+            and not QRectF(self.rect()).adjusted(8, 8, -8, -8).contains(place)
+        ):
+            self.centre_on(*self._scale.metres(place.x(), place.y()))
+        self.update()
+
+    # --- painting -----------------------------------------------------------------------------------------------
+
+    def invalidate(self) -> None:
+        """Have everything painted anew."""
+        self._stale = True
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Lay down the pixmap, made anew if it is stale, and the cursor over it."""
+        del event
+        painter = QPainter()
+        try:
+            if self._stale:
+                self._paint_pixmap()
+            painter.begin(self)
+            painter.drawPixmap(0, 0, self._pixmap)
+            place, ahead = self._cursor_pixel(), self._cursor_pixel(self._cursor.time_s + 1.0)
+            if place is not None:
+                paint_cursor(painter, self._theme, place, ahead)
+        except Exception:  # noqa: BLE001  # handed on
+            report_paint_error()
+        finally:
+            painter.end()
+
+    def _paint_pixmap(self) -> None:
+        ratio = self.devicePixelRatioF()
+        self._pixmap = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
+        self._pixmap.setDevicePixelRatio(ratio)
+        self._stale = False
+        painter = QPainter(self._pixmap)
+        try:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setFont(self._theme.font())
+            painter.fillRect(self.rect(), QColor(self._theme.canvas))
+            paint_grid(painter, self._theme, self._scale)
+            self._paint_route(painter)
+            if self._path is None:
+                painter.setPen(QColor(self._theme.text))
+                painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self.tr("No path yet"))
+            else:
+                self._paint_path(painter, self._path)
+            self._paint_places(painter)
+            paint_scale_bar(painter, self._theme, self._scale, self.tr("m"), self.locale())
+            paint_north(painter, self._theme, self._scale, self.tr("N"))
+        finally:
+            painter.end()
+
+    def _paint_route(self, painter: QPainter) -> None:
+        pixels = self._scale.pixels(self._route)
+        for first, last in visible_runs(pixels, self._scale.size, 20.0):
+            paint_run(painter, pixels[first:last], self._theme.route, 5.0 * self._theme.line_width, alpha=110)
+
+    def _paint_path(self, painter: QPainter, path: ThinnedPath) -> None:
+        rows = path.rows_for(1.0 / self._scale.pixels_per_m)
+        pixels = self._scale.pixels(path.plane_m[rows])
+        shown = visible_runs(pixels, self._scale.size, 40.0)
+        if self._show_interval and self._track is not None and len(rows) > 1:
+            for first, last in shown:
+                paint_band(painter, self._theme, self._scale, self._track, path.time_s[rows[first:last]])
+        start, end = self._cursor.range_s
+        times = path.time_s[rows]
+        in_range = (times >= start) & (times <= end)
+        assessed = np.ones(len(rows), dtype=bool)
+        for stretch in self._stretches:
+            if stretch.channel in (Channel.PATH, Channel.SOUND):
+                assessed &= ~((times >= stretch.start_s) & (times <= stretch.end_s))
+        width = 1.6 * self._theme.line_width
+        for first, last in shown:
+            part = slice(first, last)
+            if not np.all(in_range):
+                paint_run(painter, pixels[part], self._theme.accent, 4.0 * width, alpha=70, keep=in_range[part])
+            paint_run(painter, pixels[part], self._theme.curve, width, keep=assessed[part])
+            paint_run(painter, pixels[part], self._theme.not_assessed, width, keep=~assessed[part], dashed=True)
+
+    def _paint_places(self, painter: QPainter) -> None:
+        labels = Labels(painter, self._theme, QRectF(self.rect()))
+        radius = self._mark_radius()
+        pins = [
+            (pin, QPointF(*self._scale.pixel(pin.east_m, pin.north_m))) for pin in (*self._end_pins(), *self._tie_pins)
+        ]
+        marks = [(c, centre) for c in self._marks.in_drawing_order() if (centre := self._mark_centre(c)) is not None]
+        for _, centre in (*pins, *marks):
+            labels.keep_free(centre, radius)
+        for pin, centre in pins:
+            paint_pin(painter, self._theme, pin.kind, centre, 0.7 * radius)
+        for candidate, centre in marks:
+            selected = candidate.id == self._marks.selected
+            paint_verdict(painter, self._theme, self._marks.verdict(candidate), centre, radius, selected=selected)
+        # the weighty ones are painted last but named first, so that they get a place
+        for candidate, centre in reversed(marks):
+            labels.write(str(candidate.id), centre, radius + 3, strong=candidate.id == self._marks.selected)
+        for pin, centre in pins:
+            labels.write(pin.name, centre, radius + 3)
+
+    def _end_pins(self) -> tuple[Pin, ...]:
+        if self._path is None:
+            return ()
+        (east, north), (east_last, north_last) = self._path.plane_m[0], self._path.plane_m[-1]
+        ends = [Pin(self.tr("launch"), float(east), float(north), "launch")]
+        if not any(pin.name.casefold() == self.tr("retrieval").casefold() for pin in self._tie_pins):
+            ends.append(Pin(self.tr("retrieval"), float(east_last), float(north_last), "retrieval"))
+        return tuple(ends)
+
+    # --- the mouse ----------------------------------------------------------------------------------------------
+
+    def moment_at(self, place: QPointF) -> float | None:
+        """Return the moment at which the path passes nearest to a pixel; None where it is far."""
+        if self._path is None:
+            return None
+        rows = self._path.rows_for(0.5 / self._scale.pixels_per_m)
+        pixels = self._scale.pixels(self._path.plane_m[rows])
+        now = self._cursor.time_s
+        return nearest_moment(self._path.time_s[rows], pixels, (place.x(), place.y()), now, REACH_PIXELS)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the middle where it is, or everything in view."""
+        super().resizeEvent(event)
+        size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
+        self._scale = PlanScale(self._scale.centre_m, self._scale.pixels_per_m, size)
+        self._refit()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin a click or a pan."""
+        if event.button() is not Qt.MouseButton.LeftButton:
+            super().mousePressEvent(event)
+            return
+        self._pressed, self._scale_pressed, self._dragged = event.position(), self._scale, False
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Pan, and say what lies under the mouse."""
+        place = event.position()
+        if self._pressed is not None:
+            self._dragged = self._dragged or math.dist(place.toTuple(), self._pressed.toTuple()) >= DRAG_PIXELS
+            if self._dragged:
+                self._fitted = False
+                by = place - self._pressed
+                self._set_scale(self._scale_pressed.moved(by.x(), by.y()))
+            return
+        over = self.candidate_at(place) is not None
+        self.setCursor(Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor)
+        east, north = self._scale.metres(place.x(), place.y())
+        self.pointed.emit(Readout(None, None, (east, north, math.nan)))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End a pan; without one it was a click."""
+        if event.button() is not Qt.MouseButton.LeftButton:
+            super().mouseReleaseEvent(event)
+            return
+        clicked = self._pressed is not None and not self._dragged
+        self._pressed = None
+        if clicked:
+            self._click(event.position())
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Show everything."""
+        if event.button() is Qt.MouseButton.LeftButton and self.candidate_at(event.position()) is None:
+            self.fit()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom about the mouse."""
+        place = event.position()
+        self._fitted = False
+        self._set_scale(self._scale.zoomed(ZOOM_STEP ** (-event.angleDelta().y() / 120.0), place.x(), place.y()))
+        event.accept()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Nothing lies under the mouse any more."""
+        super().leaveEvent(event)
+        self.pointed.emit(None)
+
+    def _click(self, place: QPointF) -> None:
+        candidate_id = self.candidate_at(place)
+        if candidate_id is not None:
+            self.candidate_clicked.emit(candidate_id)
+            return
+        moment = self.moment_at(place)
+        if moment is not None:
+            self._cursor.set_time(moment)

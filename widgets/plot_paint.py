@@ -1,0 +1,145 @@
+"""Strokes that several plots share: curves as pixel columns, axes, hatching, boxed labels, number tags."""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen, qRgba
+
+from processing.survey import FloatArray
+from widgets.plot_scale import Scale
+from widgets.plot_theme import Theme
+
+
+def coverage(top: FloatArray, bottom: FloatArray, rows: int) -> npt.NDArray[np.uint8]:
+    """Return how much of each pixel (rows, columns) lies between ``top`` and ``bottom`` (pixels, top < bottom), 0..255.
+
+    This draws a curve of any roughness in the same small time, where Qt's stroker takes seconds for thick noise.
+    """
+    shape = (rows, len(top))
+    picture = np.zeros(shape, dtype=np.uint8)
+    good = np.isfinite(top) & np.isfinite(bottom)
+    if rows < 1 or not np.any(good):
+        return picture
+    first = int(np.clip(np.floor(np.min(top[good])), 0, rows))
+    last = int(np.clip(np.ceil(np.max(bottom[good])), first, rows))
+    grid = np.arange(first, last, dtype=np.float32)[:, None]
+    upper = np.where(good, top, rows + 1.0).astype(np.float32)
+    lower = np.where(good, bottom, -1.0).astype(np.float32)
+    part = np.minimum(grid + 1.0, lower)
+    part -= np.maximum(grid, upper)
+    np.clip(part, 0.0, 1.0, out=part)
+    part *= 255.0
+    picture[first:last] = part
+    return picture
+
+
+def paint_columns(
+    painter: QPainter,
+    rect: QRectF,
+    low: FloatArray,
+    high: FloatArray,
+    scale: Scale,
+    colour: QColor,
+    thickness: float = 0.0,
+) -> None:
+    """Fill between ``low`` and ``high`` (n values of ``scale``), one pair a device pixel column of ``rect``.
+
+    ``thickness`` pixels are added for a curve; 0 is for bands. NaN leaves a hole.
+    """
+    ratio = painter.device().devicePixelRatioF()
+    rows = round(rect.height() * ratio)
+    if rows < 1 or len(low) == 0:
+        return
+    top = (1.0 - scale.fraction(high)) * rows - 0.5 * thickness * ratio
+    bottom = (1.0 - scale.fraction(low)) * rows + 0.5 * thickness * ratio
+    picture = coverage(np.clip(top, -10.0, rows + 10.0), np.clip(bottom, -10.0, rows + 10.0), rows)
+    height, width = picture.shape
+    image = QImage(picture.data, width, height, width, QImage.Format.Format_Indexed8)
+    red, green, blue, alpha = colour.red(), colour.green(), colour.blue(), colour.alpha()
+    image.setColorTable([qRgba(red, green, blue, alpha * k // 255) for k in range(256)])
+    painter.drawImage(rect, image)
+
+
+def paint_y_axis(
+    painter: QPainter,
+    rect: QRectF,
+    scale: Scale,
+    theme: Theme,
+    label: str,
+    text: Callable[[float, float], str],
+    left: float,
+) -> None:
+    """Draw the grid, the ticks and the name of a vertical axis; the labels stand between ``left`` and the plot.
+
+    ``text`` makes the label of a value from it and the step between ticks.
+    """
+    metrics = theme.metrics()
+    ticks = scale.ticks(max(2, int(rect.height() / (1.7 * metrics.height()))))
+    step = min((b - a for a, b in pairwise(ticks)), default=1.0)
+    painter.setFont(theme.font())
+    for value in ticks:
+        y = rect.bottom() - float(scale.fraction(value)) * rect.height()
+        painter.setPen(QPen(QColor(theme.grid), 1))
+        painter.drawLine(QPointF(rect.left(), y), QPointF(rect.right(), y))
+        painter.setPen(QColor(theme.text))
+        painter.drawLine(QPointF(rect.left() - 4, y), QPointF(rect.left(), y))
+        # labels keep inside the axis, so that those of neighbouring strips do not run into each other
+        middle = min(max(y, rect.top() + 0.45 * metrics.height()), rect.bottom() - 0.45 * metrics.height())
+        box = QRectF(left, middle - metrics.height(), rect.left() - 6 - left, 2 * metrics.height())
+        painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text(value, step))
+    painter.save()
+    painter.translate(left - 0.65 * metrics.height(), rect.center().y())
+    painter.rotate(-90.0)
+    span = rect.height() + metrics.height()
+    name = metrics.elidedText(label, Qt.TextElideMode.ElideRight, span)
+    painter.setPen(QColor(theme.text))
+    painter.drawText(
+        QRectF(-0.5 * span, -metrics.height(), span, 2 * metrics.height()), Qt.AlignmentFlag.AlignCenter, name
+    )
+    painter.restore()
+
+
+def paint_hatch(painter: QPainter, rect: QRectF, theme: Theme) -> None:
+    """Hatch what is not assessed: a veil of the canvas, and strokes that show on any ground."""
+    veil = QColor(theme.canvas)
+    veil.setAlpha(150)
+    painter.fillRect(rect, veil)
+    strokes = QColor(theme.not_assessed)
+    strokes.setAlpha(200)
+    painter.fillRect(rect, QBrush(strokes, Qt.BrushStyle.BDiagPattern))
+
+
+def paint_tag(painter: QPainter, theme: Theme, text: str, box: QRectF, *, strong: bool = False) -> None:
+    """Write ``text`` into ``box`` on a ground that keeps it readable over anything."""
+    ground = QColor(theme.canvas)
+    ground.setAlpha(225)
+    painter.setPen(QPen(QColor(theme.cursor if strong else theme.grid), 1))
+    painter.setBrush(ground)
+    painter.drawRoundedRect(box, 3, 3)
+    painter.setPen(QColor(theme.text))
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+
+def free_box(
+    width: float, height: float, about: QPointF, away: float, taken: Sequence[QRectF], within: QRectF
+) -> QRectF | None:
+    """Return a box of this size beside ``about`` that overlaps nothing ``taken`` and stays ``within``, or None."""
+    x, y = about.x(), about.y()
+    corners = (
+        (x + away, y - height / 2),
+        (x - width / 2, y - away - height),
+        (x - width / 2, y + away),
+        (x - away - width, y - height / 2),
+        (x + 0.7 * away, y - 0.7 * away - height),
+        (x + 0.7 * away, y + 0.7 * away),
+        (x - 0.7 * away - width, y - 0.7 * away - height),
+        (x - 0.7 * away - width, y + 0.7 * away),
+    )
+    for left, top in corners:
+        box = QRectF(left, top, width, height)
+        if within.contains(box) and not any(box.intersects(other) for other in taken):
+            return box
+    return None

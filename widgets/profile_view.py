@@ -1,0 +1,114 @@
+"""The elevation of the pipe along the common axis, with its 95 % interval and the known places."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtWidgets import QWidget
+
+from processing.survey import Candidate, Channel, TiePoint, Track
+from widgets.curve_plot import Curve, CurvePlot, padded
+from widgets.envelope import EnvelopePyramid, joined
+from widgets.linked_plot import Readout
+from widgets.plot_paint import free_box, paint_columns, paint_tag
+from widgets.plot_theme import LIGHT, Theme
+from widgets.time_cursor import TimeCursor
+
+SIGMAS_95 = 1.96
+
+
+class ProfileView(CurvePlot):
+    """Elevation against metres (or time); the band holds the true elevation in 95 of 100 cases."""
+
+    def __init__(
+        self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None, *, show_x_axis: bool = True
+    ) -> None:
+        super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
+        self.setAccessibleName(self.tr("Elevation profile"))
+        self._channel = Channel.PATH
+        self._up: Curve | None = None
+        self._low: Curve | None = None
+        self._high: Curve | None = None
+        self._tie_points: tuple[TiePoint, ...] = ()
+
+    def set_track(self, track: Track | None) -> None:
+        """Show the elevation of a track; None shows none."""
+        self._up = self._low = self._high = None
+        if track is not None and len(track.time_s):
+            up, half = track.position_w_m[:, 2], SIGMAS_95 * track.sigma_up_m
+            self._up, self._low, self._high = (
+                Curve(EnvelopePyramid.build(track.time_s, values, gap=math.inf))
+                for values in (up, up - half, up + half)
+            )
+            span = self._up.by_time.span()
+            # the curve rules the axis: an interval of a hundred metres must not flatten it to a line
+            if span is not None:
+                room = min(float(np.nanmax(half, initial=0.0)), 2.0 * max(span[1] - span[0], 1.0))
+                span = (span[0] - room, span[1] + room)
+            self._set_whole(*padded(span, 1.0))
+        self.invalidate()
+
+    def set_tie_points(self, tie_points: Sequence[TiePoint]) -> None:
+        """Show the known places; those with an elevation at it, the others at the foot."""
+        self._tie_points = tuple(tie_points)
+        self.invalidate()
+
+    def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
+        if self._up is None or self._low is None or self._high is None:
+            self._paint_hint(painter, rect, self.tr("No path yet"))
+            return
+        self._paint_axis(painter, rect, self.tr("elevation (m)"))
+        count = self.columns()
+        band = QColor(self._theme.band)
+        band.setAlpha(130)
+        low, high = self._low.columns(self._cursor, count)[0], self._high.columns(self._cursor, count)[1]
+        paint_columns(painter, rect, low, high, self._scale, band)
+        up = joined(*self._up.columns(self._cursor, count))
+        paint_columns(painter, rect, *up, self._scale, QColor(self._theme.curve), 1.3 * self._theme.line_width)
+        self._paint_tie_points(painter, rect)
+
+    def _paint_tie_points(self, painter: QPainter, rect: QRectF) -> None:
+        taken: list[QRectF] = []
+        metrics = self._theme.metrics()
+        colour = QColor(self._theme.tie_point)
+        for tie in self._tie_points:
+            x = self.pixel_of_time(tie.time_s) if math.isfinite(tie.time_s) else math.nan
+            if not rect.left() <= x <= rect.right():
+                continue
+            y = rect.bottom() - 5 if tie.up_m is None else min(max(self.y_of(tie.up_m), rect.top()), rect.bottom())
+            painter.setPen(QPen(colour, 1, Qt.PenStyle.DashLine))
+            painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
+            if tie.enabled:
+                painter.fillRect(QRectF(x - 4, y - 4, 8, 8), colour)
+            else:
+                painter.drawRect(QRectF(x - 4, y - 4, 8, 8))
+            width = metrics.horizontalAdvance(tie.name) + 8
+            box = free_box(width, metrics.height(), QPointF(x, y), 6, taken, rect)
+            if box is not None and tie.name:
+                taken.append(box)
+                paint_tag(painter, self._theme, tie.name, box)
+
+    def _mark_centre(self, candidate: Candidate) -> QPointF | None:
+        at_top = super()._mark_centre(candidate)
+        up = candidate.position_w_m[2]
+        if at_top is None or self._up is None or not math.isfinite(up):
+            return at_top
+        rect = self.plot_rect()
+        return QPointF(at_top.x(), min(max(self.y_of(up), rect.top()), rect.bottom()))
+
+    def _paint_values(self, painter: QPainter, rect: QRectF) -> None:
+        if self._up is None or self._high is None:
+            return
+        up, high = self._up.value_at_cursor(self._cursor), self._high.value_at_cursor(self._cursor)
+        self._paint_value(painter, rect, 0, self._value_text(up, 2, self.tr("m")), self._theme.curve)
+        self._paint_value(painter, rect, 1, "± " + self._value_text(high - up, 2, self.tr("m")), self._theme.text)
+
+    def _readout(self, place: QPointF) -> Readout:
+        base = super()._readout(place)
+        if self._up is None:
+            return base
+        return Readout(
+            base.time_s, base.chainage_m, base.position_w_m, value=self.value_of_pixel(place.y()), unit=self.tr("m")
+        )

@@ -1,0 +1,180 @@
+"""What a spectrogram view asks of sound, and how its columns become the pixels of a picture.
+
+The science's tile pyramid answers :class:`TileSource`; the pixels are max-pooled in time, in metres and in frequency,
+so that an event of a single frame stays visible at any zoom.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from processing.survey import ClockMap, FloatArray
+from widgets.plot_scale import Scale
+
+Levels = npt.NDArray[np.uint8]
+MOST_COLUMNS = 16384
+
+
+class TileSource(Protocol):
+    """Levels of sound over survey time and frequency; asked from a worker thread, never from the window's."""
+
+    @property
+    def frequencies_hz(self) -> FloatArray:
+        """Centres of the bins, (bins,), rising."""
+
+    @property
+    def low_db(self) -> float:
+        """Level that 0 stands for."""
+
+    @property
+    def step_db(self) -> float:
+        """Decibels from one number of a tile to the next."""
+
+    @property
+    def start_s(self) -> float:
+        """First moment that it covers, in survey seconds."""
+
+    @property
+    def end_s(self) -> float:
+        """Last moment that it covers, in survey seconds."""
+
+    def columns(self, start_s: float, end_s: float, columns: int) -> Levels:
+        """Return uint8 (bins, columns): the highest level within each of equal spans of survey time; 0 outside."""
+
+
+class AudioTiles(Protocol):
+    """Levels of sound on the audio's own clock, as :class:`processing.sound.tiles.TilePyramid` keeps them."""
+
+    @property
+    def frequency_hz(self) -> FloatArray:
+        """Centres of the bins, (bins,), rising."""
+
+    @property
+    def finest_column_s(self) -> float:
+        """Seconds in a column of the finest level."""
+
+    def columns(self, start_s: float, end_s: float, n_columns: int, plane: str = "max") -> Levels:
+        """Return uint8 (bins, n_columns) between seconds of the audio's clock."""
+
+
+@dataclass(frozen=True)
+class SurveyTiles:
+    """Tiles on the audio's clock, asked in survey time through a clock map: a :class:`TileSource`.
+
+    ``plane`` is ``max`` (short events stay visible) or ``mean`` (steady sounds stand out of the noise). ``detail``
+    computes, with the arguments of :meth:`AudioTiles.columns`, pictures finer than the finest stored column: widgets
+    may not reach the sound's files, so the application binds them in, ``partial(spectrogram_detail, audio)``.
+    """
+
+    tiles: AudioTiles
+    clock: ClockMap
+    duration_s: float
+    low_db: float
+    step_db: float
+    plane: str = "max"
+    detail: Callable[[float, float, int, str], Levels] | None = None
+
+    @property
+    def frequencies_hz(self) -> FloatArray:
+        """Centres of the bins."""
+        return self.tiles.frequency_hz
+
+    @property
+    def start_s(self) -> float:
+        """First moment."""
+        return float(self.clock.to_survey(0.0))
+
+    @property
+    def end_s(self) -> float:
+        """Last moment."""
+        return float(self.clock.to_survey(self.duration_s))
+
+    def columns(self, start_s: float, end_s: float, columns: int) -> Levels:
+        """Return uint8 (bins, columns) between survey seconds."""
+        first, last = float(self.clock.to_audio(start_s)), float(self.clock.to_audio(end_s))
+        fine = (last - first) / columns < self.tiles.finest_column_s
+        if fine and self.detail is not None:
+            return self.detail(first, last, columns, self.plane)
+        return self.tiles.columns(first, last, columns, self.plane)
+
+
+class WaveColumns(Protocol):
+    """A waveform's envelope, as :class:`processing.sound.tiles.WavePyramid` keeps it."""
+
+    def columns(self, start_s: float, end_s: float, n_columns: int) -> npt.NDArray[np.float32]:
+        """Return (3, n_columns): lowest, highest and rms between seconds of the audio's clock."""
+
+
+def wave_overview(
+    wave: WaveColumns, duration_s: float, clock: ClockMap, columns: int = 4096
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the waveform of the whole run: survey seconds (columns,), its lowest and its highest values."""
+    values = wave.columns(0.0, duration_s, columns)
+    middles = (np.arange(columns) + 0.5) * duration_s / columns
+    return clock.to_survey(middles), values[0].astype(np.float64), values[1].astype(np.float64)
+
+
+def pixel_levels(source: TileSource, edges_s: FloatArray, frequency: Scale, rows: int) -> Levels:
+    """Return the picture (rows, columns) over spans between ``edges_s`` (columns + 1), highest frequency first.
+
+    ``edges_s`` never falls but may be uneven (metres): the source is asked finely enough for the quickest stretch, and
+    what is finer than a pixel is max-pooled.
+    """
+    columns = len(edges_s) - 1
+    steps = np.diff(edges_s)
+    span = float(edges_s[-1] - edges_s[0])
+    usable = steps[steps > 0]
+    if span <= 0.0 or len(usable) == 0 or rows < 1:
+        return np.zeros((max(rows, 0), columns), dtype=np.uint8)
+    even = float(usable.max()) <= 1.001 * float(usable.min()) and len(usable) == columns
+    asked = columns if even else int(min(np.ceil(2.0 * span / np.percentile(usable, 2.0)), MOST_COLUMNS))
+    asked = max(asked, columns)
+    levels = source.columns(float(edges_s[0]), float(edges_s[-1]), asked)
+    levels = pooled_rows(levels, source.frequencies_hz, frequency, rows)
+    return levels if even else pooled_columns(levels, edges_s)
+
+
+def pooled_columns(levels: Levels, edges_s: FloatArray) -> Levels:
+    """Return the maxima of even columns over uneven spans that together cover the same time."""
+    count = levels.shape[1]
+    places = (edges_s - edges_s[0]) / (edges_s[-1] - edges_s[0]) * count
+    starts = np.clip(np.floor(places[:-1] + 1e-6).astype(np.intp), 0, count - 1)
+    ends = np.clip(np.ceil(places[1:] - 1e-6).astype(np.intp), starts + 1, count)
+    pairs = np.empty(2 * len(starts), dtype=np.intp)
+    pairs[0::2], pairs[1::2] = starts, np.minimum(ends, count - 1)
+    # a reduceat whose end is not beyond its start returns the start alone: right for spans of one column
+    pooled = np.maximum.reduceat(levels, pairs, axis=1)[:, 0::2]
+    to_end = ends == count
+    pooled[:, to_end] = np.maximum(pooled[:, to_end], levels[:, -1:])
+    return np.ascontiguousarray(pooled)
+
+
+def bin_rows(
+    frequencies_hz: FloatArray, frequency: Scale, rows: int
+) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Return for each pixel row, top first, the first bin that it shows and the one after its last; equal for none."""
+    edges = np.asarray(frequency.value(np.linspace(1.0, 0.0, rows + 1)))
+    middles = 0.5 * (frequencies_hz[1:] + frequencies_hz[:-1])
+    half = 0.5 * float(frequencies_hz[1] - frequencies_hz[0]) if len(frequencies_hz) > 1 else np.inf
+    # the bins whose own span touches the row's
+    starts = np.searchsorted(middles, edges[1:], side="right")
+    ends = np.searchsorted(middles, edges[:-1], side="left") + 1
+    outside = (edges[:-1] <= frequencies_hz[0] - half) | (edges[1:] >= frequencies_hz[-1] + half)
+    ends = np.where(outside, starts, np.maximum(ends, starts + 1))
+    return starts, np.minimum(ends, len(frequencies_hz))
+
+
+def pooled_rows(levels: Levels, frequencies_hz: FloatArray, frequency: Scale, rows: int) -> Levels:
+    """Return (rows, columns): each pixel row holds the maximum of the bins that it shows; 0 where there are none."""
+    starts, ends = bin_rows(frequencies_hz, frequency, rows)
+    result = np.zeros((rows, levels.shape[1]), dtype=np.uint8)
+    for row in range(rows):
+        first, last = int(starts[row]), int(ends[row])
+        if last == first + 1:
+            result[row] = levels[first]
+        elif last > first:
+            np.max(levels[first:last], axis=0, out=result[row])
+    return result
