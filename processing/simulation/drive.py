@@ -140,5 +140,7 @@ def _variation(drive: Drive, cruise_s: float, rng: np.random.Generator) -> tuple
     cycles = np.sort(rng.choice(np.arange(1, most + 1), size=min(12, most), replace=False)).astype(np.float64)
     shares = rng.normal(size=len(cycles)) / np.sqrt(cycles)
     shares -= cycles * (shares @ cycles) / (cycles @ cycles)  # Σ share·cycles = 0: no kink in speed at the ends
-    shares *= drive.variation / np.sqrt(np.sum(shares**2) / 2)
-    return cycles, shares * min(1.0, 0.7 / np.sum(np.abs(shares)))  # never backwards, never at a stand
+    shares /= np.sqrt(np.sum(shares**2) / 2)
+    return cycles, shares * min(
+        drive.variation, 0.7 / float(np.sum(np.abs(shares)))
+    )  # never backwards, never at a stand

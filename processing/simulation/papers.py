@@ -51,12 +51,12 @@ def _p0(name: str, title: str, route: PipeRoute, leak_m: float, closed: bool = F
         carried=Carried(bob_m=0.004, sway_m=0.006, wobble_deg=1.5),
         imu=_P0_IMU,
         sound=Sound(
-            flow_dbfs=-44.0, rolling_dbfs=-90.0, bend_snr_db=None, joints=Joints(spacing_m=0.0), knocks=Knocks(),
+            flow_dbfs=-44.0, rolling_dbfs=-90.0, bends_rumble=False, joints=Joints(spacing_m=0.0), knocks=Knocks(),
             local=(leak,),
         ),
         clock=Clock(start_s=-0.8, drift_ppm=18.0),
         markers=ends,
-        paperwork=Paperwork(title=title, material="none (carried above ground)", diameter_m=None, tell_length=True),
+        paperwork=Paperwork(title=title, material="none (carried above ground)", tell_length=True),
     )  # fmt: skip
 
 
@@ -148,8 +148,7 @@ def p1_loop(number: int) -> Scenario:
                   spin_sigma_radps=0.15, bank=False),
         imu=_P1_IMU,
         sound=Sound(enabled=False, joints=Joints(spacing_m=0.0), knocks=Knocks(at_start=False, at_end=False)),
-        paperwork=Paperwork(title=f"P1 loop {number}, {shape} of {length:g} m (simulated)", material="floor",
-                            diameter_m=None),
+        paperwork=Paperwork(title=f"P1 loop {number}, {shape} of {length:g} m (simulated)", material="floor"),
     )  # fmt: skip
 
 

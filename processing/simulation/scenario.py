@@ -196,7 +196,7 @@ class Joints:
     spacing_m: float = 5.5
     spacing_sigma_m: float = 0.25
     bump_mps2: float = 4.0  # at nominal speed, median of a log-normal
-    bump_dbfs: float = -24.0
+    bump_dbfs: float = -16.0
 
 
 @dataclass(frozen=True)
@@ -223,7 +223,8 @@ class Sound:
     rolling_drift_db: float = 2.0
     rolling_modulation: tuple[float, float] = (0.55, 0.25)  # of the power, once and twice a turn
     hiss_dbfs: float = -86.0
-    bend_snr_db: float | None = 4.0  # each bend rumbles; None: silent bends
+    bends_rumble: bool = True  # each bend of 10° and more
+    bend_snr_db: float = 4.0
     joints: Joints = field(default_factory=Joints)
     knocks: Knocks = field(default_factory=Knocks)
     local: tuple[Local, ...] = ()
@@ -262,7 +263,7 @@ class Paperwork:
     date: str = ""
     client: str = ""
     material: str = "ductile iron"
-    diameter_m: float | None = 0.3
+    diameter_m: float | None = None
     tell_length: bool = False
     latitude: float | None = None
     longitude: float | None = None

@@ -8,7 +8,8 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.simulation import papers
 from processing.simulation.scenario import Scenario
 from processing.simulation.scenario_file import read_scenario
-from processing.simulation.surveys import long_main, random_scenario, small_rolling
+from processing.simulation.surveys import long_main, noise_free, random_scenario, small_rolling
+from processing.survey import Motion
 
 
 def demo_scenario() -> Scenario:
@@ -21,6 +22,8 @@ SCENARIOS: Mapping[str, Callable[[], Scenario]] = {
     "demo": demo_scenario,
     "rolling": small_rolling,
     "long-main": long_main,
+    "noise-free-rolling": lambda: noise_free(Motion.ROLLING),
+    "noise-free-carried": lambda: noise_free(Motion.CARRIED),
     "p0-straight": papers.p0_straight,
     "p0-closed": papers.p0_closed,
     "p0-50m": papers.p0_50m,

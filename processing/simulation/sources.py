@@ -1,8 +1,8 @@
 """The sources of stationary-looking noise in a run, each a spectrum with a power that changes along time and place.
 
 Levels: flow and rolling noise are given in dB of full scale at nominal speed; every other source by its
-signal-to-noise ratio in its own band above those two, so that a scenario reads as a detector's tables do (in-band SNR at
-closest approach).
+signal-to-noise ratio in its own band above those two, so that a scenario reads as a detector's tables do (in-band SNR
+at closest approach).
 """
 
 from collections.abc import Callable
@@ -147,7 +147,7 @@ def _timed(timed: Timed, background: FloatArray, frequency_hz: FloatArray) -> So
 
 def _bends(sound: Sound, route: SmoothRoute) -> list[Local]:
     """A rumble at each bend of 10° and more, unless the scenario has silent ones."""
-    if sound.bend_snr_db is None:
+    if not sound.bends_rumble:
         return []
     return [
         Local(LeakClass.BEND, chainage, 1.0, 150.0, 1.6, sound.bend_snr_db, f"bend {i + 1}")

@@ -1,5 +1,7 @@
 """Rolling surveys of mains: a small one for tests, a long one for benchmarks, any number of random realistic ones."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from processing.simulation.scenario import (
@@ -21,7 +23,7 @@ from processing.simulation.scenario import (
     Timed,
     Vector,
 )
-from processing.survey import LeakClass
+from processing.survey import LeakClass, Motion
 
 
 def small_rolling() -> Scenario:
@@ -33,7 +35,27 @@ def small_rolling() -> Scenario:
         ball=Ball(slip=0.01, slip_sigma=0.01, spin_sigma_radps=0.2),
         sound=Sound(rate_hz=16000, local=(Local(LeakClass.LEAK, 24.0, 1.4, 1500.0, 1.8, 10.0, "leak"),)),
         markers=(Marker("valve chamber", 38.0, 0.2), Marker("retrieval", sigma_m=0.2)),
-        paperwork=Paperwork(title="Small rolling run (simulated)"),
+        paperwork=Paperwork(title="Small rolling run (simulated)", diameter_m=0.3),
+    )
+
+
+def noise_free(motion: Motion) -> Scenario:
+    """Return some 200 m without any error, slip, blow or sound: what dead reckoning must bring back to millimetres.
+
+    The ball does not bank, so that the contact normal is the vertical that the odometer assumes.
+    """
+    stops = (20.0, 55.0, 100.0, 150.0) if motion is Motion.CARRIED else (70.0,)
+    return Scenario(
+        name=f"noise-free-{motion}",
+        motion=motion,
+        route=PipeRoute(
+            ((0.0, 0.0, 0.0), (40.0, 0.0, 0.0), (40.0, 50.0, 0.0), (90.0, 70.0, 0.0), (60.0, 110.0, 0.0)), 1.0
+        ),
+        drive=Drive(speed_mps=0.8, stops=tuple(Stop(s, 3.0) for s in stops)),
+        ball=Ball(spin_sigma_radps=0.3, bank=False),
+        imu=replace(Imu.perfect(200.0), magnetics=Magnetics(enabled=True, declination_deg=0.0, noise_ut=0.0)),
+        sound=Sound(enabled=False, joints=Joints(spacing_m=0.0), knocks=Knocks(at_start=False, at_end=False)),
+        paperwork=Paperwork(title=f"Noise-free {motion} run (simulated)"),
     )
 
 
@@ -71,7 +93,7 @@ def long_main() -> Scenario:
         ),
         markers=(Marker("chamber 1", 310.0, 0.4), Marker("chamber 2", 752.0, 0.4), Marker("chamber 3", 1320.0, 0.4),
                  Marker("chamber 4", 1805.0, 0.4), Marker("retrieval", sigma_m=0.4)),
-        paperwork=Paperwork(title="Long main (simulated)", tell_length=True),
+        paperwork=Paperwork(title="Long main (simulated)", diameter_m=0.4, tell_length=True),
     )  # fmt: skip
 
 
@@ -103,6 +125,7 @@ def random_scenario(seed: int) -> Scenario:
         clock=Clock(float(rng.uniform(-15, 15)), float(rng.normal(0, 30))),
         markers=(*markers, Marker("retrieval", sigma_m=float(rng.uniform(0.2, 1.0)))),
         paperwork=Paperwork(title=f"Random survey {seed} (simulated)", material="ductile iron" if ferrous else "PVC",
+                            diameter_m=float(rng.choice([0.2, 0.3, 0.4, 0.6])),
                             tell_length=bool(rng.random() < 0.5), tell_route=bool(rng.random() < 0.5)),
     )  # fmt: skip
 

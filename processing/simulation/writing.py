@@ -49,7 +49,7 @@ def write_run(run: SimulatedRun, folder: Path, progress: Progress | None = None)
     except OSError as error:
         reason = error.strerror or str(error)
         raise LeaklineError(ErrorCode.CANNOT_WRITE, Place(folder), reason=reason) from error
-    progress.update(1.0)
+    progress.update(1.0, "write_sound")
 
 
 def _write_imu(imu: ImuSamples, faults: Faults, seed: int, path: Path, progress: Progress) -> None:
@@ -102,7 +102,7 @@ def _write_sound(run: SimulatedRun, path: Path, progress: Progress) -> None:
             # scaled here, so that the file is the same whatever the library makes of full scale
             file.write(np.round(block * 32767).astype(np.int16))
             done += len(block)
-            progress.update(done / plan.frames)
+            progress.update(min(done / plan.frames, 1.0), "write_sound")
 
 
 def _write_track(run: SimulatedRun, path: Path) -> None:
