@@ -1,0 +1,107 @@
+"""Gyro offset, noise and the local gravity, from the moments at which the device lay still.
+
+Model: ``ω_true = scale · (ω_measured − bias(t))``. The bias is the mean rate of each rest, linear in time between rests
+and held beyond the first and the last; the scale is 1 unless :mod:`processing.orientation.gyro_scale` finds another.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from processing.orientation.rests import Rest, find_rests
+from processing.settings import OrientationSettings
+from processing.survey import Finding, FloatArray, ImuSamples, Launch, Severity
+
+STANDARD_GRAVITY_MPS2 = 9.80665
+_INSTABILITY_RADPS = np.radians(0.003)  # a rest, however long, tells the bias no better (navigation §6.2)
+_WALK_RADPS_RTS = np.radians(3e-3)  # bias random walk of consumer MEMS (navigation §6.4)
+_UNKNOWN_RADPS = np.radians(1.0)  # 1 sigma of an offset that nobody measured (navigation §6.2)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What was found out about the sensors of this run.
+
+    ``bias_radps`` (k, 3) ± ``bias_sigma_radps`` (k, 3) at survey times ``bias_time_s`` (k,), k ≥ 1. ``basis`` says
+    where it comes from: ``rest``, ``motion`` (estimated from the whole run) or ``none`` (zero, wide sigma).
+    """
+
+    bias_time_s: FloatArray
+    bias_radps: FloatArray
+    bias_sigma_radps: FloatArray
+    basis: str = "none"
+    rests: tuple[Rest, ...] = ()
+    gyr_noise_radps_rthz: float | None = None  # density, mean of the axes, from the rests
+    acc_noise_mps2_rthz: float | None = None
+    gravity_mps2: float = STANDARD_GRAVITY_MPS2  # mean |a| at rest: the unit of the accelerometer in this run
+    gyr_scale: FloatArray = field(default_factory=lambda: np.ones(3))
+    gyr_scale_sigma: FloatArray = field(default_factory=lambda: np.full(3, np.nan))
+
+    def bias_at(self, time_s: FloatArray) -> FloatArray:
+        """Return the gyro offset (m, 3) in rad/s at times (m,)."""
+        return np.column_stack([np.interp(time_s, self.bias_time_s, self.bias_radps[:, i]) for i in range(3)])
+
+    def sigma_at(self, time_s: FloatArray) -> FloatArray:
+        """Return 1 sigma (m, 3) of :meth:`bias_at`, growing as a random walk away from the nearest rest."""
+        time = np.asarray(time_s, dtype=np.float64)
+        away = np.min(np.abs(time[:, None] - self.bias_time_s[None, :]), axis=1)
+        near = np.column_stack([np.interp(time, self.bias_time_s, self.bias_sigma_radps[:, i]) for i in range(3)])
+        return np.asarray(np.hypot(near, (_WALK_RADPS_RTS * np.sqrt(away))[:, None]), dtype=np.float64)
+
+    def corrected(self, time_s: FloatArray, gyr_s_radps: FloatArray) -> FloatArray:
+        """Return angular rates (m, 3) with offset and scale taken off."""
+        bias = self.bias_radps[0] if len(self.bias_time_s) == 1 else self.bias_at(time_s)
+        return np.asarray((gyr_s_radps - bias) * self.gyr_scale, dtype=np.float64)
+
+
+def calibrate(imu: ImuSamples, settings: OrientationSettings) -> Calibration:
+    """Return the calibration from all rests of a run; without one the offset is zero ± 1 °/s and ``basis`` ``none``."""
+    rests = find_rests(imu, settings)
+    start = float(imu.time_s[0])
+    if not rests:
+        return Calibration(np.array([start]), np.zeros((1, 3)), np.full((1, 3), _UNKNOWN_RADPS))
+    rate_hz = imu.sample_rate_hz
+    weight = np.array([r.count for r in rests], dtype=np.float64)
+    gyr_variance = np.average([np.mean(r.gyr_std_radps**2) for r in rests], weights=weight)
+    acc_variance = np.average([np.mean(r.acc_std_mps2**2) for r in rests], weights=weight)
+    gravity = float(np.average([np.linalg.norm(r.acc_mean_mps2) for r in rests], weights=weight))
+    return Calibration(
+        bias_time_s=np.array([r.middle_s for r in rests]),
+        bias_radps=np.array([r.gyr_mean_radps for r in rests]),
+        bias_sigma_radps=np.array([np.maximum(r.gyr_std_radps / np.sqrt(r.count), _INSTABILITY_RADPS) for r in rests]),
+        basis="rest",
+        rests=rests,
+        # white noise of one-sided density N sampled at f has the variance N² f/2
+        gyr_noise_radps_rthz=float(np.sqrt(2.0 * gyr_variance / rate_hz)),
+        acc_noise_mps2_rthz=float(np.sqrt(2.0 * acc_variance / rate_hz)),
+        gravity_mps2=gravity if gravity > 0.0 else STANDARD_GRAVITY_MPS2,
+    )
+
+
+def local_gravity_mps2(launch: Launch) -> float:
+    """Return gravity at the launch (Somigliana's formula of WGS 84, free-air for height); the standard if unknown."""
+    if launch.latitude is None:
+        return STANDARD_GRAVITY_MPS2
+    square = np.sin(np.radians(launch.latitude)) ** 2
+    at_ellipsoid = 9.7803253359 * (1.0 + 0.00193185265241 * square) / np.sqrt(1.0 - 0.00669437999014 * square)
+    return float(at_ellipsoid - 3.086e-6 * (launch.elevation_m or 0.0))
+
+
+def calibration_findings(
+    calibration: Calibration, launch: Launch, settings: OrientationSettings
+) -> tuple[Finding, ...]:
+    """Return what the operator should know: the rests and the offset, or that there was none; a wrong |a| at rest."""
+    x, y, z = (float(v) for v in np.degrees(calibration.bias_radps[0]))
+    offset = {"x_dps": x, "y_dps": y, "z_dps": z}
+    if calibration.basis != "rest":
+        sigma = float(np.degrees(calibration.bias_sigma_radps.max()))
+        code = "no_rest_motion_bias" if calibration.basis == "motion" else "no_rest_no_bias"
+        return (Finding(code, Severity.WARNING, offset | {"sigma_dps": sigma}),)
+    total = sum(r.duration_s for r in calibration.rests)
+    found = [Finding("rests_found", Severity.INFO, offset | {"count": len(calibration.rests), "total_s": total})]
+    expected = local_gravity_mps2(launch)
+    off_percent = 100.0 * (calibration.gravity_mps2 / expected - 1.0)
+    if abs(off_percent) > settings.gravity_tolerance_pct:
+        params = {"measured_mps2": calibration.gravity_mps2, "expected_mps2": expected, "off_percent": off_percent}
+        found.append(Finding("gravity_off", Severity.WARNING, params))
+    return tuple(found)

@@ -1,0 +1,167 @@
+"""The table of attitude estimators, and the step of the pipeline that calibrates, chooses one and runs it."""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from processing.errors import ErrorCode, LeaklineError
+from processing.orientation import kernels, kernels_ekf7
+from processing.orientation import quaternions as qt
+from processing.orientation.calibration import Calibration, calibrate, calibration_findings
+from processing.orientation.direct import acc_mag, device, device_disagrees, device_turns_the_other_way
+from processing.orientation.ekf7 import ekf7
+from processing.orientation.gyro import integrate_gyro
+from processing.orientation.gyro_scale import calibrate_scale
+from processing.orientation.madgwick import madgwick
+from processing.orientation.magnetometer import MagnetometerVerdict, judge_magnetometer
+from processing.orientation.mahony import mahony
+from processing.orientation.recursion import Estimate
+from processing.orientation.samples import BLOCK_ROWS, TrustedSamples, trusted_samples
+from processing.orientation.vqf_filters import bias_in_motion, offline_vqf, vqf
+from processing.progress import Progress
+from processing.settings import OrientationSettings
+from processing.survey import Attitude, Finding, FloatArray, ImuSamples, Motion, Severity, Survey
+
+Function = Callable[[TrustedSamples, float, Progress], Estimate]
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """One row of the table: ``title`` is a key of ``[orientation]`` in the messages, ``source`` what it rests on."""
+
+    name: str
+    title: str
+    uses_field: bool  # takes its heading from the magnetometer where that is trusted
+    needs_field: bool  # has no heading at all without it
+    function: Function
+    source: str
+
+
+ESTIMATORS: tuple[Estimator, ...] = (
+    Estimator("offline_vqf", "offline_vqf", True, False, offline_vqf, "Laidig, Seel 2023"),
+    Estimator("vqf", "vqf", True, False, vqf, "Laidig, Seel 2023"),
+    Estimator("ekf7", "ekf7", True, False, ekf7, "Akkaya, Talu 2017"),
+    Estimator("madgwick", "madgwick", True, False, madgwick, "Madgwick, Harrison, Vaidyanathan 2011"),
+    Estimator("mahony", "mahony", True, False, mahony, "Mahony, Hamel, Pflimlin 2008"),
+    Estimator("accmag", "accmag", True, True, acc_mag, "Akkaya 2017"),
+    Estimator("gyro", "gyro", False, False, integrate_gyro, "closed form"),
+    Estimator("device", "device", False, False, device, "the recorder"),
+)
+DEFAULT = "offline_vqf"
+
+
+def estimator(name: str) -> Estimator:
+    """Return the estimator of that name.
+
+    Raises:
+        LeaklineError: SETTING_INVALID for a name that is not in the table.
+    """
+    for row in ESTIMATORS:
+        if row.name == name:
+            return row
+    allowed = ", ".join(["auto", *(row.name for row in ESTIMATORS)])
+    raise LeaklineError(ErrorCode.SETTING_INVALID, name="processing.orientation", value=name, allowed=allowed)
+
+
+def estimate_attitude(
+    imu: ImuSamples, survey: Survey, settings: OrientationSettings, progress: Progress
+) -> tuple[Attitude, Calibration, tuple[Finding, ...]]:
+    """Return the attitude at every sample, the calibration it rests on, and what the operator should know.
+
+    ``survey.processing.orientation`` names the estimator; ``auto`` takes offline VQF, with the magnetometer where it is
+    trusted, and the device's own quaternions only where there is no gyro. ``Attitude.reason`` says why. Unless
+    ``heading_from`` is ``magnetometer`` or ``device`` the yaw is arbitrary (:mod:`processing.orientation.start`).
+
+    Raises:
+        LeaklineError: TOO_FEW_SAMPLES; SETTING_INVALID for an unknown estimator, or ``device`` without quaternions.
+    """
+    progress.update(0.0, "orientation_rests")
+    calibration = _calibrate(imu, survey, settings, progress)
+    found = list(calibration_findings(calibration, survey.launch, settings))
+    progress.update(0.2, "orientation_attitude")
+    verdict = judge_magnetometer(imu, calibration, survey.pipe.material, settings)
+    chosen, reason = _choose(imu, survey, verdict)
+    samples = trusted_samples(imu, calibration, settings, verdict.field if chosen.uses_field else None)
+    found += _sensor_findings(samples, chosen, verdict)
+    if not (kernels.COMPILED and kernels_ekf7.COMPILED) and len(imu.time_s) > BLOCK_ROWS:
+        _log.info(
+            "the attitude recursions run uncompiled, some hundred times slower: build them with setup.py build_ext"
+        )
+    yaw = float(
+        qt.yaw_from_heading(np.radians(90.0 if survey.launch.heading_deg is None else survey.launch.heading_deg))
+    )
+    estimate = chosen.function(samples, yaw, progress.part(0.2, 0.95))
+    heading_from = "device" if chosen.name == "device" else "launch" if samples.field is None else "magnetometer"
+    if heading_from == "magnetometer" and settings.declination_deg != 0.0:
+        _turn_in_place(estimate.quat_ws, -float(np.radians(settings.declination_deg)))
+    bias = _taken_off(imu, calibration, estimate.bias_radps)
+    progress.update(1.0)
+    return Attitude(estimate.quat_ws, bias, chosen.name, reason, heading_from), calibration, tuple(found)
+
+
+def _calibrate(imu: ImuSamples, survey: Survey, settings: OrientationSettings, progress: Progress) -> Calibration:
+    calibration = calibrate(imu, settings)
+    progress.update(0.05, "orientation_calibration")
+    if _has_no_gyro(imu):
+        return calibration
+    if calibration.basis == "none":
+        bias, sigma = bias_in_motion(trusted_samples(imu, calibration, settings, None))
+        calibration = replace(calibration, bias_radps=bias[None], bias_sigma_radps=sigma[None], basis="motion")
+    if survey.device.motion is Motion.ROLLING and settings.gyro_scale == "auto":
+        calibration = calibrate_scale(trusted_samples(imu, calibration, settings, None), progress.part(0.05, 0.2))
+    return calibration
+
+
+def _has_no_gyro(imu: ImuSamples) -> bool:
+    return not np.any(np.ptp(imu.gyr_s_radps[:: max(1, len(imu.time_s) // 100_000)], axis=0) > 0.0)
+
+
+def _choose(imu: ImuSamples, survey: Survey, verdict: MagnetometerVerdict) -> tuple[Estimator, str]:
+    if survey.processing.orientation != "auto":
+        return estimator(survey.processing.orientation), "orientation_chosen"
+    if _has_no_gyro(imu) and imu.quat_ws is not None:
+        return estimator("device"), "orientation_auto_no_gyro"
+    return estimator(DEFAULT), f"orientation_auto_{verdict.reason}"
+
+
+def _sensor_findings(samples: TrustedSamples, chosen: Estimator, verdict: MagnetometerVerdict) -> list[Finding]:
+    found = []
+    if _has_no_gyro(samples.imu):
+        found.append(Finding("gyro_dead", Severity.WARNING))
+    if verdict.reason in {"field_not_earths", "field_unsteady", "pipe_ferrous", "magnetometer_dead"}:
+        found.append(Finding(f"magnetometer_{verdict.reason}", Severity.INFO))
+    if chosen.needs_field and samples.field is None:
+        found.append(Finding("estimator_lacks_field", Severity.WARNING, {"method": chosen.name}))
+    if chosen.name == "device" and samples.imu.quat_ws is not None:
+        if device_turns_the_other_way(samples):
+            found.append(Finding("device_quaternions_conjugated", Severity.REPAIRED))
+        elif device_disagrees(samples):
+            found.append(Finding("device_quaternions_disagree", Severity.WARNING))
+    scale = samples.calibration.gyr_scale
+    if np.any(scale != 1.0):
+        x, y, z = (float(v) for v in 100.0 * (scale - 1.0))
+        found.append(Finding("gyro_scale_found", Severity.INFO, {"x_pct": x, "y_pct": y, "z_pct": z}))
+    return found
+
+
+def _turn_in_place(quat_ws: FloatArray, yaw_rad: float) -> None:
+    turn = qt.turn_about_up(yaw_rad)
+    for start in range(0, len(quat_ws), BLOCK_ROWS):
+        rows = slice(start, start + BLOCK_ROWS)
+        quat_ws[rows] = qt.multiply(turn, quat_ws[rows])
+
+
+def _taken_off(imu: ImuSamples, calibration: Calibration, residual: FloatArray | None) -> FloatArray:
+    """Return measured minus true rate: (3,) where it is constant, else (n, 3); ``residual`` is used up."""
+    constant = len(calibration.bias_time_s) == 1 and not np.any(calibration.gyr_scale != 1.0)
+    if residual is None and constant:
+        return np.array(calibration.bias_radps[0], dtype=np.float64)
+    off = np.zeros((len(imu.time_s), 3)) if residual is None else residual
+    for start in range(0, len(off), BLOCK_ROWS):
+        rows = slice(start, start + BLOCK_ROWS)
+        gyr = np.asarray(imu.gyr_s_radps[rows], dtype=np.float64)
+        off[rows] += gyr - calibration.corrected(imu.time_s[rows], gyr)
+    return off

@@ -1,0 +1,128 @@
+"""Finds the moments at which the device lay still, anywhere in a run of any length.
+
+Sums over quarter-second bins are all that is kept of the samples; four neighbouring bins are the one-second window
+whose standard deviations are compared with the thresholds (navigation §6.2).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from processing.settings import OrientationSettings
+from processing.survey import BoolArray, FloatArray, ImuSamples
+
+_BIN_S = 0.25
+_BINS_A_WINDOW = 4
+_BLOCK_ROWS = 1 << 18
+
+
+@dataclass(frozen=True)
+class Rest:
+    """One standstill: means and standard deviations (3,) of ``count`` valid samples in ``start_s``..``end_s``."""
+
+    start_s: float
+    end_s: float
+    count: int
+    gyr_mean_radps: FloatArray
+    gyr_std_radps: FloatArray
+    acc_mean_mps2: FloatArray
+    acc_std_mps2: FloatArray
+
+    @property
+    def middle_s(self) -> float:
+        """The moment that the means stand for."""
+        return 0.5 * (self.start_s + self.end_s)
+
+    @property
+    def duration_s(self) -> float:
+        """How long it lay still."""
+        return self.end_s - self.start_s
+
+
+@dataclass(frozen=True)
+class _Sums:
+    """Per bin: number of valid samples, sums and sums of squares of acc and gyr side by side (m, 6)."""
+
+    start_s: float
+    count: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+
+def find_rests(imu: ImuSamples, settings: OrientationSettings) -> tuple[Rest, ...]:
+    """Return the standstills of at least ``rest_min_s``, in order.
+
+    A one-second window is at rest when the standard deviations (root of the summed variances of the axes) of specific
+    force and angular rate, and the mean rate itself, lie under their settings. A rest whose mean rate differs from the
+    median of all by more than ``rest_agree_dps`` was a slow steady turn and is left out.
+    """
+    sums = _bin_sums(imu)
+    runs = list(_runs(_quiet_bins(sums, imu.sample_rate_hz, settings)))
+    least = int(np.ceil(settings.rest_min_s / _BIN_S))
+    rests = [_rest(sums, *_trimmed(a, b, least)) for a, b in runs if b - a >= least]
+    if len(rests) < 2:
+        return tuple(rests)
+    middle = np.median([r.gyr_mean_radps for r in rests], axis=0)
+    limit = np.radians(settings.rest_agree_dps)
+    return tuple(r for r in rests if np.linalg.norm(r.gyr_mean_radps - middle) <= limit)
+
+
+def _bin_sums(imu: ImuSamples) -> _Sums:
+    start = float(imu.time_s[0])
+    bins = int((imu.time_s[-1] - start) / _BIN_S) + 1
+    count, first, second = np.zeros(bins), np.zeros((bins, 6)), np.zeros((bins, 6))
+    for a in range(0, len(imu.time_s), _BLOCK_ROWS):
+        rows = slice(a, a + _BLOCK_ROWS)
+        valid = imu.valid[rows]
+        index = ((imu.time_s[rows][valid] - start) / _BIN_S).astype(np.intp)
+        values = np.hstack([imu.acc_s_mps2[rows][valid], imu.gyr_s_radps[rows][valid]])
+        if not len(index):
+            continue
+        edges = np.flatnonzero(np.diff(index, prepend=-1))
+        count[index[edges]] += np.diff(edges, append=len(index))
+        first[index[edges]] += np.add.reduceat(values, edges)
+        second[index[edges]] += np.add.reduceat(values * values, edges)
+    return _Sums(start, count, first, second)
+
+
+def _quiet_bins(sums: _Sums, rate_hz: float, settings: OrientationSettings) -> BoolArray:
+    """Return which bins lie in a window at rest; a window that lacks half its samples is none."""
+    n = len(sums.count) - _BINS_A_WINDOW + 1
+    quiet = np.zeros(len(sums.count), dtype=np.bool_)
+    if n <= 0:
+        return quiet
+    windows = [slice(k, k + n) for k in range(_BINS_A_WINDOW)]
+    count = sum(sums.count[w] for w in windows)
+    known = count >= max(0.5 * rate_hz * _BIN_S * _BINS_A_WINDOW, 4)
+    whole = np.where(known, count, 1.0)[:, None]
+    mean = sum(sums.first[w] for w in windows) / whole
+    variance = np.maximum(sum(sums.second[w] for w in windows) / whole - mean * mean, 0.0)
+    still = (
+        known
+        & (np.sqrt(variance[:, :3].sum(axis=1)) < settings.rest_acc_std_mps2)
+        & (np.sqrt(variance[:, 3:].sum(axis=1)) < np.radians(settings.rest_gyr_std_dps))
+        & (np.linalg.norm(mean[:, 3:], axis=1) < np.radians(settings.rest_gyr_mean_dps))
+    )
+    for w in windows:
+        quiet[w] |= still
+    return quiet
+
+
+def _runs(flags: BoolArray) -> Iterator[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(flags.astype(np.int8), prepend=0, append=0))
+    yield from zip(edges[::2].tolist(), edges[1::2].tolist())
+
+
+def _trimmed(a: int, b: int, least: int) -> tuple[int, int]:
+    """Leave out up to half a second at either end: a window may pass that already holds the onset of motion."""
+    cut = min(2, (b - a - least) // 2)
+    return a + cut, b - cut
+
+
+def _rest(sums: _Sums, a: int, b: int) -> Rest:
+    count = float(sums.count[a:b].sum())
+    mean = sums.first[a:b].sum(axis=0) / count
+    std = np.sqrt(np.maximum(sums.second[a:b].sum(axis=0) / count - mean * mean, 0.0))
+    start = sums.start_s + a * _BIN_S
+    return Rest(start, start + (b - a) * _BIN_S, int(count), mean[3:], std[3:], mean[:3], std[:3])

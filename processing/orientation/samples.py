@@ -1,0 +1,133 @@
+"""The trusted rows of a run as the estimators want them: turns between samples, weighted readings, block by block.
+
+Rows that are not valid are left out. Between neighbouring trusted rows the rate is taken as linear, which gives the
+rotation vector to second order, coning included: ``(ω₀+ω₁)Δt/2 + (ω₀×ω₁)Δt²/12``; recorders whose rate is the mean
+since the row before have ``ω₁Δt`` (setting ``rate_stands_for``). Across a hole longer than
+``bridge_s`` nothing is known and the attitude is held; a hole longer than ``restart_s`` begins a new *segment*.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from processing.errors import ErrorCode, LeaklineError
+from processing.orientation.calibration import Calibration
+from processing.orientation.magnetometer import FieldReference
+from processing.settings import OrientationSettings
+from processing.survey import FloatArray, ImuSamples
+
+BLOCK_ROWS = 1 << 17
+_LEAST_ROWS = 10
+_NO_FIELD = np.zeros((0, 3))
+
+
+@dataclass(frozen=True)
+class Block:
+    """Trusted rows ``start``..``stop``: contiguous float64 arrays made for this block alone."""
+
+    start: int
+    stop: int
+    time_s: FloatArray  # (m,)
+    dt_s: FloatArray  # (m,) since the row before, at most bridge_s; 0 at the first row of a segment
+    turn: FloatArray  # (m, 3) rotation vector since the row before, calibrated
+    acc_g: FloatArray  # (m, 3) specific force in units of the run's own gravity
+    acc_weight: FloatArray  # (m,) 0..1, less where |a| is not g
+    mag: FloatArray  # (m, 3) in units of the undisturbed field, or (0, 3) without a trusted magnetometer
+    mag_weight: FloatArray  # (m,) 0..1, less where the field's strength is not the reference's
+
+
+@dataclass(frozen=True)
+class TrustedSamples:
+    """View of the trusted rows; holds no copy of the samples, only row numbers where some had to be left out."""
+
+    imu: ImuSamples
+    calibration: Calibration
+    settings: OrientationSettings
+    field: FieldReference | None
+    rows: npt.NDArray[np.intp] | None  # None: every row is trusted
+    segments: tuple[tuple[int, int], ...]  # (start, stop) in trusted rows
+    period_s: float
+
+    @property
+    def count(self) -> int:
+        """Number of trusted rows."""
+        return len(self.imu.time_s) if self.rows is None else len(self.rows)
+
+    def index(self, start: int, stop: int) -> "slice | npt.NDArray[np.intp]":
+        """Return what picks the trusted rows ``start``..``stop`` from the run's arrays."""
+        return slice(start, stop) if self.rows is None else self.rows[start:stop]
+
+    def times(self, start: int, stop: int) -> FloatArray:
+        """Return the times (m,) of trusted rows."""
+        return np.asarray(self.imu.time_s[self.index(start, stop)], dtype=np.float64)
+
+    def block(self, start: int, stop: int, *, first: bool) -> Block:
+        """Return rows ``start``..``stop``; ``first`` when row ``start`` begins a segment, so nothing leads up to it."""
+        before = start if first else start - 1
+        index = self.index(before, stop)
+        time = np.asarray(self.imu.time_s[index], dtype=np.float64)
+        gyr = self.calibration.corrected(time, np.asarray(self.imu.gyr_s_radps[index], dtype=np.float64))
+        gap = np.diff(time)
+        turn = self._turns(gyr, gap[:, None])
+        turn[gap > self.bridge_s] = 0.0
+        if first:
+            turn, gap = np.vstack([np.zeros((1, 3)), turn]), np.concatenate([[0.0], gap])
+        inner = slice(0 if first else 1, None)
+        acc = np.ascontiguousarray(self.imu.acc_s_mps2[index][inner] / self.calibration.gravity_mps2)
+        deviation = (np.linalg.norm(acc, axis=1) - 1.0) / self.settings.acc_deviation_g
+        mag, mag_weight = self._field(index, inner)
+        return Block(
+            start=start,
+            stop=stop,
+            time_s=time[inner],
+            dt_s=np.minimum(gap, self.bridge_s),
+            turn=np.ascontiguousarray(turn),
+            acc_g=acc,
+            acc_weight=1.0 / (1.0 + deviation * deviation),
+            mag=mag,
+            mag_weight=mag_weight,
+        )
+
+    def blocks(self, segment: tuple[int, int]) -> Iterator[Block]:
+        """Yield a segment's rows in order, block by block."""
+        for start in range(segment[0], segment[1], BLOCK_ROWS):
+            yield self.block(start, min(start + BLOCK_ROWS, segment[1]), first=start == segment[0])
+
+    @property
+    def bridge_s(self) -> float:
+        """The longest hole over which the turn is interpolated; a slow logger's plain sample period is none."""
+        return max(self.settings.bridge_s, 2.5 * self.period_s)
+
+    def _turns(self, gyr: FloatArray, gap_s: FloatArray) -> FloatArray:
+        if self.settings.rate_stands_for == "interval":
+            return gyr[1:] * gap_s
+        return 0.5 * (gyr[:-1] + gyr[1:]) * gap_s + np.cross(gyr[:-1], gyr[1:]) * (gap_s * gap_s / 12.0)
+
+    def _field(self, index: "slice | npt.NDArray[np.intp]", inner: slice) -> tuple[FloatArray, FloatArray]:
+        if self.field is None or self.imu.mag_s_ut is None:
+            return _NO_FIELD, np.zeros(0)
+        mag = np.ascontiguousarray(self.imu.mag_s_ut[index][inner] / self.field.norm_ut)
+        off = np.abs(np.linalg.norm(mag, axis=1) - 1.0) / (self.settings.mag_norm_tolerance_pct / 100.0)
+        return mag, np.where(off < 1.0, 1.0, 0.0)
+
+
+def trusted_samples(
+    imu: ImuSamples, calibration: Calibration, settings: OrientationSettings, field: FieldReference | None
+) -> TrustedSamples:
+    """Return the view of the trusted rows.
+
+    Raises:
+        LeaklineError: TOO_FEW_SAMPLES when fewer than ten rows can be trusted.
+    """
+    rows = None if bool(np.all(imu.valid)) else np.flatnonzero(imu.valid)
+    count = len(imu.time_s) if rows is None else len(rows)
+    if count < _LEAST_ROWS:
+        raise LeaklineError(ErrorCode.TOO_FEW_SAMPLES, count=count, needed=_LEAST_ROWS)
+    step = np.diff(imu.time_s if rows is None else imu.time_s[rows])
+    period = float(np.median(step))
+    cuts = (np.flatnonzero(step > max(settings.restart_s, 2.5 * period)) + 1).tolist()
+    return TrustedSamples(
+        imu, calibration, settings, field, rows, tuple(zip([0, *cuts], [*cuts, count], strict=True)), period
+    )
