@@ -28,6 +28,14 @@ class ImportSettings:
     """How far the import doctor mends before it masks."""
 
     gap_factor: float = tunable(5.0, "sample periods", 2.0, 1000.0, "a longer silence in the time stamps is a gap")
+    short_hole_s: float = tunable(
+        0.05, "s", 0.0, 1.0, "shorter holes are bridged (navigation §6.1), longer ones masked"
+    )
+    gyr_limit_radps: float = tunable(100.0, "rad/s", 10.0, 1000.0, "5730 °/s: no gyro in use reads further")
+    acc_limit_mps2: float = tunable(2000.0, "m/s²", 50.0, 1e5, "200 g: beyond shock sensors' range in such devices")
+    rest_gravity_pct: float = tunable(3.0, "%", 0.5, 50.0, "|a| at rest further from 9.81 is a wrong scale or offset")
+    sound_mismatch_pct: float = tunable(5.0, "%", 0.5, 100.0, "sound and IMU log of one run are equally long")
+    sound_mismatch_s: float = tunable(30.0, "s", 1.0, 600.0, "starting and stopping two recorders takes that long")
 
 
 @dataclass(frozen=True)
@@ -65,16 +73,28 @@ class OrientationSettings:
         0.8, "1", 0.1, 1.0, "share of steady readings from which the magnetometer is trusted"
     )
     declination_deg: float = tunable(0.0, "°", -180.0, 180.0, "magnetic north east of true north, from a map")
-    # estimators
-    acc_deviation_g: float = tunable(0.1, "g", 0.005, 10.0, "| |a|/g − 1 | at which a reading counts half")
-    madgwick_beta_radps: float = tunable(0.1, "rad/s", 0.0001, 10.0, "")
-    mahony_kp_radps: float = tunable(0.5, "rad/s", 0.0, 50.0, "")
-    mahony_ki_radps2: float = tunable(0.001, "rad/s²", 0.0, 10.0, "")
-    mahony_kp_mag_radps: float = tunable(0.5, "rad/s", 0.0, 50.0, "")
-    ekf_gyr_noise_dps_rthz: float = tunable(0.02, "°/s/√Hz", 0.0001, 10.0, "")
-    ekf_bias_walk_dps_rts: float = tunable(0.003, "°/s/√s", 0.0, 1.0, "consumer MEMS (navigation §6.4)")
-    ekf_acc_noise_g_rthz: float = tunable(0.1, "g/√Hz", 0.0001, 10.0, "")
-    ekf_heading_noise_deg_rthz: float = tunable(10.0, "°/√Hz", 0.01, 1000.0, "")
+    # estimators: defaults chosen on the nine BROAD trials of shared/data
+    acc_deviation_g: float = tunable(
+        100.0,
+        "g",
+        0.005,
+        1000.0,
+        "| |a|/g − 1 | that halves a reading; off: over bounded motion all of them average out",
+    )
+    madgwick_beta_radps: float = tunable(
+        0.05, "rad/s", 0.0001, 10.0, "least total RMSE on BROAD, given a rest calibration"
+    )
+    mahony_kp_radps: float = tunable(0.2, "rad/s", 0.0, 50.0, "least total RMSE on BROAD; 0.1 to 0.4 differ by 15 %")
+    mahony_ki_radps2: float = tunable(0.0001, "rad/s²", 0.0, 10.0, "more lets hard acceleration wind the offset up")
+    mahony_kp_mag_radps: float = tunable(
+        0.05, "rad/s", 0.0, 50.0, "slower than the tilt: a field is disturbed for seconds"
+    )
+    ekf_gyr_noise_dps_rthz: float = tunable(
+        0.8, "°/s/√Hz", 0.0001, 10.0, "with the next two, least total RMSE on BROAD"
+    )
+    ekf_bias_walk_dps_rts: float = tunable(0.001, "°/s/√s", 0.0, 1.0, "more lets hard acceleration pull the offset")
+    ekf_acc_noise_g_rthz: float = tunable(0.1, "g/√Hz", 0.0001, 10.0, "own acceleration, not sensor noise")
+    ekf_heading_noise_deg_rthz: float = tunable(20.0, "°/√Hz", 0.01, 1000.0, "disturbed field, not sensor noise")
     gyro_scale: str = choice(
         "auto", ("auto", "off"), "auto finds the scale along a rolling ball's spin axis (navigation §4.4)"
     )
@@ -93,9 +113,10 @@ class PositionSettings:
     reverse_max_m: float = tunable(2.0, "m", 0.1, 100.0, "rolling back further than this is a turn of the pipe")
     # carried and foot
     still_acc_mps2: float = tunable(0.5, "m/s²", 0.01, 5.0, "filtered | |a| − g | of a standstill (P3; 0.05 g)")
-    still_gyr_dps: float = tunable(30.0, "°/s", 0.5, 200.0, "smoothed angular rate of a standstill")
+    still_gyr_dps: float = tunable(45.0, "°/s", 0.5, 200.0, "angular rate of a standstill; a standing foot still rolls")
+    still_push_mps2: float = tunable(0.15, "m/s²", 0.01, 5.0, "least linear acceleration that counts as moving")
     still_min_s: float = tunable(0.15, "s", 0.02, 10.0, "a shorter quiet moment is no standstill")
-    still_margin_s: float = tunable(0.05, "s", 0.0, 1.0, "the edge of a standstill still moves")
+    still_margin_s: float = tunable(0.3, "s", 0.0, 2.0, "the edge of a carried device's standstill still moves")
     inertial_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "accelerometer scale of consumer MEMS")
     velocity_walk: float = tunable(
         0.004, "m/s/√s", 0.0001, 1.0, "least error of integrated acceleration; stops raise it"
@@ -118,6 +139,11 @@ class ClockSettings:
     """Mapping of the audio clock onto the IMU clock."""
 
     search_s: float = tunable(25.0, "s", 1.0, 120.0, "how far the two recorders may have been started apart")
+    knock_zone_s: float = tunable(90.0, "s", 10.0, 600.0, "knocks are looked for this long at either end")
+    max_drift_ppm: float = tunable(150.0, "ppm", 10.0, 1000.0, "no crystal is further off, even in the cold")
+    imu_delay_periods: float = tunable(1.2, "sample periods", 0.0, 10.0, "delay of the IMU's own filter (acoustics §6)")
+    assumed_start_sigma_s: float = tunable(1.0, "s", 0.01, 60.0, "how far apart recorders start that nobody aligned")
+    assumed_drift_sigma_ppm: float = tunable(30.0, "ppm", 1.0, 200.0, "typical difference of two crystals")
 
 
 @dataclass(frozen=True)
