@@ -4,6 +4,7 @@ Arrays go into ``.npy`` files of their own (never pickled), the rest into ``fact
 """
 
 import json
+import tokenize
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
@@ -16,6 +17,8 @@ T = TypeVar("T")
 Array = np.ndarray[Any, Any]
 _FACTS = "facts.json"
 _INDEX = "arrays.json"
+# what numpy raises, beside ValueError, about a header that is no header
+_HEADER_ERRORS = (tokenize.TokenError, SyntaxError, TypeError, OverflowError, LookupError, RecursionError, EOFError)
 
 
 def save_arrays(folder: Path, arrays: Mapping[str, Array]) -> None:
@@ -43,6 +46,13 @@ def load_arrays(folder: Path, *, mmap: bool = True) -> dict[str, Array]:
 
 
 def _load(path: Path, *, mmap: bool) -> Array:
+    try:
+        return _mapped(path, mmap=mmap)
+    except _HEADER_ERRORS as error:
+        raise ValueError(f"{path.name}: {error}") from error
+
+
+def _mapped(path: Path, *, mmap: bool) -> Array:
     # mapping checks the shape that the header tells against the file's size: a spoilt one allocates nothing
     if path.stat().st_size == _header_size(path):
         empty: Array = np.load(path, allow_pickle=False)  # nothing cannot be mapped

@@ -1,6 +1,7 @@
 """A cache entry is complete or absent, and what is spoilt is made anew."""
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -34,7 +35,7 @@ def test_an_entry_is_found_by_step_and_key(cache):
 def test_an_entry_is_built_once(cache):
     built = []
     for _ in range(3):
-        cache.entry("track", "abc", lambda place: built.append(place))
+        cache.entry("track", "abc", built.append)
     assert len(built) == 1
 
 
@@ -225,10 +226,8 @@ def test_any_spoilt_byte_of_an_array_gives_an_array_or_an_error_but_never_a_cras
     if data.draw(st.booleans()):
         content = content[: data.draw(st.integers(0, len(content)))]
     (place / "array0.npy").write_bytes(content)
-    try:
+    with suppress(OSError, ValueError):
         assert load_arrays(place)["a"].nbytes <= len(content)
-    except (OSError, ValueError, EOFError, TypeError, KeyError):
-        pass
 
 
 def test_an_index_that_names_files_elsewhere_is_refused(tmp_path):
@@ -238,11 +237,11 @@ def test_an_index_that_names_files_elsewhere_is_refused(tmp_path):
 
 
 def test_objects_are_never_unpickled(tmp_path):
-    with pytest.raises(ValueError, match="[Oo]bject"):
+    with pytest.raises(ValueError, match=r"[Oo]bject"):
         save_arrays(tmp_path, {"a": np.array([{}, None], dtype=object)})
     np.save(tmp_path / "array0.npy", np.array([{}], dtype=object), allow_pickle=True)
     (tmp_path / "arrays.json").write_text('{"a": "array0.npy"}')
-    with pytest.raises(ValueError, match="[Oo]bject"):
+    with pytest.raises(ValueError, match=r"[Oo]bject"):
         load_arrays(tmp_path)
 
 
