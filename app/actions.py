@@ -1,0 +1,215 @@
+"""Every user action is one row here: menus, toolbar, key sheet, manual and tests come from this table.
+
+A row's ``handler`` is a path below the main window: ``review.confirm`` is ``window.review.confirm``. Keys are chosen
+for a Turkish Q keyboard without AltGr: no punctuation, no letter I. Keys without Ctrl or F rest while a text field has
+the focus.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from PySide6.QtCore import QT_TRANSLATE_NOOP, QCoreApplication, QObject
+from PySide6.QtGui import QAction, QKeySequence
+
+
+class Page(StrEnum):
+    """Where an action belongs: the menu it stands in, and when its keys are alive."""
+
+    FILE = "file"
+    EDIT = "edit"
+    REVIEW = "review"
+    PLAY = "play"
+    VIEW = "view"
+    HELP = "help"
+
+
+class Needs(StrEnum):
+    """What must be there before an action makes sense."""
+
+    NOTHING = "nothing"
+    SURVEY = "survey"  # a survey folder is open
+    RESULTS = "results"  # it has been processed, and a review page is in front
+    CANDIDATE = "candidate"  # and a candidate is selected
+    WRITABLE = "writable"  # and the survey may be changed
+
+
+@dataclass(frozen=True)
+class ActionRow:
+    """One thing the user can do; ``keys`` are portable key texts, the first one is shown."""
+
+    id: str
+    text: str
+    keys: tuple[str, ...]
+    page: Page
+    handler: str
+    tip: str
+    needs: Needs = Needs.NOTHING
+    checkable: bool = False
+
+
+PAGE_TITLES: dict[Page, str] = {
+    Page.FILE: str(QT_TRANSLATE_NOOP("Actions", "&File")),
+    Page.EDIT: str(QT_TRANSLATE_NOOP("Actions", "&Edit")),
+    Page.REVIEW: str(QT_TRANSLATE_NOOP("Actions", "&Review")),
+    Page.PLAY: str(QT_TRANSLATE_NOOP("Actions", "&Playback")),
+    Page.VIEW: str(QT_TRANSLATE_NOOP("Actions", "&View")),
+    Page.HELP: str(QT_TRANSLATE_NOOP("Actions", "&Help")),
+}
+
+
+def _row(
+    row_id: str,
+    text: object,
+    keys: str,
+    page: Page,
+    handler: str,
+    tip: object,
+    needs: Needs = Needs.NOTHING,
+    *,
+    checkable: bool = False,
+) -> ActionRow:
+    return ActionRow(row_id, str(text), tuple(keys.split()), page, handler, str(tip), needs, checkable)
+
+
+N = QT_TRANSLATE_NOOP
+ACTIONS: tuple[ActionRow, ...] = (
+    # file
+    _row("open", N("Actions", "Open folder…"), "Ctrl+O", Page.FILE, "files.ask_open",
+         N("Actions", "Open a device folder or a saved survey")),
+    _row("demo", N("Actions", "Demonstration survey"), "Ctrl+D", Page.FILE, "files.open_demo",
+         N("Actions", "Open the simulated survey that comes with Leakline")),
+    _row("process", N("Actions", "Process again"), "Ctrl+R", Page.FILE, "files.reprocess",
+         N("Actions", "Compute path and leaks again with the present form and tie points; decisions are carried over"),
+         Needs.WRITABLE),
+    _row("export", N("Actions", "Export report and files"), "Ctrl+E", Page.FILE, "report.export",
+         N("Actions", "Write the PDF, the CSV tables and the GIS file"), Needs.SURVEY),
+    _row("close", N("Actions", "Close survey"), "Ctrl+W", Page.FILE, "files.close_survey",
+         N("Actions", "Close this survey; everything is saved already"), Needs.SURVEY),
+    _row("quit", N("Actions", "Quit"), "Ctrl+Q", Page.FILE, "close", N("Actions", "Close Leakline; nothing is lost")),
+    # edit
+    _row("undo", N("Actions", "Undo"), "Ctrl+Z", Page.EDIT, "review.undo",
+         N("Actions", "Take the last change back"), Needs.SURVEY),
+    _row("redo", N("Actions", "Redo"), "Ctrl+Y", Page.EDIT, "review.redo",
+         N("Actions", "Do the change again that was taken back"), Needs.SURVEY),
+    # review
+    _row("confirm", N("Actions", "Confirm"), "1", Page.REVIEW, "review.confirm",
+         N("Actions", "It is a leak; go to the next undecided"), Needs.CANDIDATE),
+    _row("reject", N("Actions", "Reject"), "2", Page.REVIEW, "review.reject",
+         N("Actions", "It is no leak; go to the next undecided"), Needs.CANDIDATE),
+    _row("unsure", N("Actions", "Unsure"), "3", Page.REVIEW, "review.unsure",
+         N("Actions", "Leave it open for a second look; go to the next undecided"), Needs.CANDIDATE),
+    _row("clear", N("Actions", "Clear verdict"), "0", Page.REVIEW, "review.clear",
+         N("Actions", "Take the verdict away and stay here"), Needs.CANDIDATE),
+    _row("class", N("Actions", "Class"), "C", Page.REVIEW, "review.choose_class",
+         N("Actions", "Say what it is: leak, valve, bend, pump …"), Needs.CANDIDATE),
+    _row("note", N("Actions", "Note"), "Return Enter", Page.REVIEW, "review.edit_note",
+         N("Actions", "Write a note; it is saved as you type. Enter ends it"), Needs.CANDIDATE),
+    _row("next", N("Actions", "Next candidate"), "Down", Page.REVIEW, "review.next_candidate",
+         N("Actions", "Go one candidate down the list"), Needs.RESULTS),
+    _row("previous", N("Actions", "Previous candidate"), "Up", Page.REVIEW, "review.previous_candidate",
+         N("Actions", "Go one candidate up the list"), Needs.RESULTS),
+    _row("undecided", N("Actions", "Next undecided"), "U", Page.REVIEW, "review.next_undecided",
+         N("Actions", "Go to the next candidate without a verdict"), Needs.RESULTS),
+    _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
+         N("Actions", "Bring the cursor and all views to the selected candidate"), Needs.CANDIDATE),
+    _row("mark", N("Actions", "Mark a leak here"), "M", Page.REVIEW, "review.mark_here",
+         N("Actions", "Add a candidate at the cursor that the machine missed"), Needs.RESULTS),
+    # playback
+    _row("play", N("Actions", "Play or pause"), "Space", Page.PLAY, "player.toggle",
+         N("Actions", "Play the sound from the cursor, or pause"), Needs.RESULTS),
+    _row("loop", N("Actions", "Play candidate in a loop"), "Shift+Space", Page.PLAY, "player.toggle_loop",
+         N("Actions", "Play the selected candidate again and again, with two seconds of lead-in"), Needs.CANDIDATE),
+    # view
+    _row("page_data", N("Actions", "Data page"), "Ctrl+1", Page.VIEW, "show_data",
+         N("Actions", "Files, findings, form and tie points")),
+    _row("page_path", N("Actions", "Path page"), "Ctrl+2", Page.VIEW, "show_path",
+         N("Actions", "Plan and profile large"), Needs.SURVEY),
+    _row("page_sound", N("Actions", "Sound page"), "Ctrl+3", Page.VIEW, "show_sound",
+         N("Actions", "Spectrogram, level and motion large"), Needs.SURVEY),
+    _row("page_leaks", N("Actions", "Leaks page"), "Ctrl+4", Page.VIEW, "show_leaks",
+         N("Actions", "Everything needed for the verdicts"), Needs.SURVEY),
+    _row("page_report", N("Actions", "Report page"), "Ctrl+5", Page.VIEW, "show_report",
+         N("Actions", "What will be written, and where"), Needs.SURVEY),
+    _row("left", N("Actions", "Cursor back"), "Left", Page.VIEW, "review.step_back",
+         N("Actions", "Move the cursor one step back: a fiftieth of what is shown"), Needs.RESULTS),
+    _row("right", N("Actions", "Cursor forward"), "Right", Page.VIEW, "review.step_forward",
+         N("Actions", "Move the cursor one step forward: a fiftieth of what is shown"), Needs.RESULTS),
+    _row("left_1", N("Actions", "Cursor back 1 s"), "Shift+Left", Page.VIEW, "review.step_back_1s",
+         N("Actions", "Move the cursor one second back"), Needs.RESULTS),
+    _row("right_1", N("Actions", "Cursor forward 1 s"), "Shift+Right", Page.VIEW, "review.step_forward_1s",
+         N("Actions", "Move the cursor one second forward"), Needs.RESULTS),
+    _row("left_10", N("Actions", "Cursor back 10 s"), "Ctrl+Left", Page.VIEW, "review.step_back_10s",
+         N("Actions", "Move the cursor ten seconds back"), Needs.RESULTS),
+    _row("right_10", N("Actions", "Cursor forward 10 s"), "Ctrl+Right", Page.VIEW, "review.step_forward_10s",
+         N("Actions", "Move the cursor ten seconds forward"), Needs.RESULTS),
+    _row("zoom_in", N("Actions", "Zoom in"), "Z PgUp", Page.VIEW, "review.zoom_in",
+         N("Actions", "Show half of it, around the cursor (also Ctrl and wheel)"), Needs.RESULTS),
+    _row("zoom_out", N("Actions", "Zoom out"), "X PgDown", Page.VIEW, "review.zoom_out",
+         N("Actions", "Show twice as much, around the cursor (also Ctrl and wheel)"), Needs.RESULTS),
+    _row("fit", N("Actions", "Show all"), "F Home", Page.VIEW, "review.fit",
+         N("Actions", "Show the whole run"), Needs.RESULTS),
+    _row("axis", N("Actions", "Metres or seconds"), "D", Page.VIEW, "review.toggle_axis",
+         N("Actions", "Show sound and motion along the pipe in metres, or in time"), Needs.RESULTS),
+    _row("language", N("Actions", "Türkçe / English"), "F8", Page.VIEW, "toggle_language",
+         N("Actions", "Switch the language")),
+    _row("theme", N("Actions", "Sun, light or dark"), "F9", Page.VIEW, "next_theme",
+         N("Actions", "Next theme: sun for outdoors, light, dark")),
+    _row("full", N("Actions", "Full screen"), "F11", Page.VIEW, "toggle_full_screen",
+         N("Actions", "Use the whole screen, or go back")),
+    # help
+    _row("help", N("Actions", "Help"), "F1", Page.HELP, "show_help", N("Actions", "How to go from folder to report")),
+    _row("keys", N("Actions", "Keys"), "F2", Page.HELP, "show_keys", N("Actions", "All keys on one sheet")),
+    _row("diagnostics", N("Actions", "Save diagnostics…"), "", Page.HELP, "save_diagnostics",
+         N("Actions", "Write the log and version numbers into a zip file for support; no survey data")),
+)  # fmt: skip
+
+
+def translated(text: str) -> str:
+    """Return a text of the table in the window's language."""
+    return QCoreApplication.translate("Actions", text)
+
+
+def resolve(root: object, handler: str) -> Callable[[], Any]:
+    """Return the callable that ``handler`` names below ``root``; raises AttributeError if it does not exist."""
+    thing: Any = root
+    for name in handler.split("."):
+        thing = getattr(thing, name)
+    if not callable(thing):
+        raise TypeError(f"{handler} is not callable")
+    return thing  # type: ignore[no-any-return]
+
+
+def is_plain_key(key: str) -> bool:
+    """Tell whether ``key`` could be meant for a text field: no Ctrl in it, and not a function key."""
+    return not key.startswith("Ctrl+") and not (key.startswith("F") and key[1:].isdigit())
+
+
+def shown_keys(row: ActionRow) -> str:
+    """Return the keys of a row as the platform writes them."""
+    native = QKeySequence.SequenceFormat.NativeText
+    return " / ".join(QKeySequence(key).toString(native) for key in row.keys)
+
+
+def build(owner: QObject, root: object, rows: Iterable[ActionRow] = ACTIONS) -> dict[str, QAction]:
+    """Return one QAction a row, owned by ``owner``, wired to its handler below ``root``, without shortcuts yet."""
+    actions: dict[str, QAction] = {}
+    for row in rows:
+        action = QAction(translated(row.text), owner)
+        action.setObjectName(row.id)
+        action.setToolTip(translated(row.tip))
+        action.setStatusTip(translated(row.tip))
+        action.setCheckable(row.checkable)
+        handler = resolve(root, row.handler)
+        action.triggered.connect(lambda _checked=False, call=handler: call())
+        actions[row.id] = action
+    return actions
+
+
+def arm_keys(actions: dict[str, QAction], *, typing: bool, rows: Iterable[ActionRow] = ACTIONS) -> None:
+    """Give each action its keys; while ``typing`` those that a text field could want are taken away."""
+    for row in rows:
+        keys = [key for key in row.keys if not (typing and is_plain_key(key))]
+        if [s.toString() for s in actions[row.id].shortcuts()] != keys:
+            actions[row.id].setShortcuts([QKeySequence(key) for key in keys])

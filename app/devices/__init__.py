@@ -1,0 +1,1 @@
+"""Devices: sound in and out, IMUs over wires and networks. Plain threads, no Qt."""

@@ -1,0 +1,162 @@
+"""Plays a stretch of a long recording through the sound card: one thread reads bounded blocks and writes them out.
+
+The sink is injected, so that tests and machines without a sound card need no library; :func:`open_sink` is the real
+one.
+"""
+
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+log = logging.getLogger(__name__)
+
+BLOCK_S = 0.05
+FloatBlock = npt.NDArray[np.float32]
+ReadFrames = Callable[[int, int], FloatBlock]  # start frame, count -> up to count samples
+
+
+class SoundUnavailableError(Exception):
+    """There is no sound card, or not the library that speaks to it; the text says which."""
+
+
+class Sink(Protocol):
+    """Where samples go; :meth:`write` blocks until there is room, so it sets the pace."""
+
+    latency_s: float
+
+    def write(self, block: FloatBlock) -> None:
+        """Take one block, waiting while the buffer is full; raises OSError when the device is gone."""
+
+    def close(self) -> None:
+        """Stop at once and let the device go."""
+
+
+class _PortAudioSink:
+    def __init__(self, stream: Any) -> None:  # noqa: ANN401  # sounddevice has no types
+        self._stream = stream
+        self.latency_s = float(stream.latency)
+
+    def write(self, block: FloatBlock) -> None:
+        try:
+            self._stream.write(block.reshape(-1, 1))
+        except Exception as error:  # PortAudioError derives from Exception directly
+            raise OSError(str(error)) from error
+
+    def close(self) -> None:
+        self._stream.abort()
+        self._stream.close()
+
+
+def open_sink(sample_rate_hz: float) -> Sink:
+    """Open the default output, mono; raises SoundUnavailableError with a reason in the system's words."""
+    sounddevice = _library()
+    try:
+        stream = sounddevice.OutputStream(
+            samplerate=sample_rate_hz, channels=1, dtype="float32", latency="high", blocksize=0
+        )
+        stream.start()
+    except Exception as error:
+        raise SoundUnavailableError(str(error)) from error
+    return _PortAudioSink(stream)
+
+
+def why_silent() -> str | None:
+    """Return why nothing can be played, None where a default output exists."""
+    try:
+        sounddevice = _library()
+        sounddevice.query_devices(kind="output")
+    except SoundUnavailableError as error:
+        return str(error)
+    except Exception as error:  # noqa: BLE001  # PortAudioError and ValueError both mean: no device
+        return str(error)
+    return None
+
+
+def _library() -> Any:  # noqa: ANN401  # sounddevice has no types
+    try:
+        import sounddevice
+    except (ImportError, OSError) as error:  # OSError: the PortAudio library is not installed
+        raise SoundUnavailableError(str(error)) from error
+    return sounddevice
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """What to play, in frames: from ``start`` to ``end``; with ``loop`` again from ``loop_start``."""
+
+    start: int
+    end: int
+    loop: bool = False
+    loop_start: int = 0
+
+
+class Playback:
+    """One run of playing; made, started, asked for its position, stopped. Not reused."""
+
+    def __init__(
+        self,
+        sink: Sink,
+        read: ReadFrames,
+        sample_rate_hz: float,
+        stretch: Stretch,
+        gain: Callable[[], float] = lambda: 1.0,
+    ) -> None:
+        self._sink, self._read, self._rate_hz, self._stretch, self._gain = sink, read, sample_rate_hz, stretch, gain
+        self._stop = threading.Event()
+        self._lock = threading.Lock()
+        self._written = stretch.start  # next frame that goes to the sink
+        self.error: Exception | None = None
+        self._thread = threading.Thread(target=self._run, name="playback", daemon=True)
+
+    def start(self) -> None:
+        """Begin to play."""
+        self._thread.start()
+
+    def stop(self, timeout_s: float = 2.0) -> None:
+        """Stop at once; returns when the thread has ended."""
+        self._stop.set()
+        self._thread.join(timeout_s)
+
+    @property
+    def active(self) -> bool:
+        """Whether it still plays."""
+        return self._thread.is_alive()
+
+    @property
+    def position(self) -> int:
+        """The frame that is heard now: what was written, less what still waits in the card."""
+        with self._lock:
+            written = self._written
+        heard = written - int(self._sink.latency_s * self._rate_hz)
+        first = self._stretch.loop_start if self._stretch.loop else self._stretch.start
+        return max(heard, min(first, self._stretch.start))
+
+    def _run(self) -> None:
+        try:
+            self._play()
+        except Exception as error:  # noqa: BLE001  # an unplugged card or a file gone: told by whoever polls
+            log.warning("playback ended: %s", error)
+            self.error = error
+        finally:
+            self._sink.close()
+
+    def _play(self) -> None:
+        size = max(1, int(BLOCK_S * self._rate_hz))
+        while not self._stop.is_set():
+            at = self._written
+            if at >= self._stretch.end:
+                if not self._stretch.loop:
+                    break
+                at = self._stretch.loop_start
+            block = self._read(at, min(size, self._stretch.end - at))
+            if block.size == 0:
+                break
+            self._sink.write(np.clip(block * np.float32(self._gain()), -1.0, 1.0))
+            with self._lock:
+                self._written = at + block.size
+        self._stop.wait(self._sink.latency_s)  # let the card play out what it holds

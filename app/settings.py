@@ -1,0 +1,93 @@
+"""What the program remembers between starts: one small JSON file in the user's configuration folder.
+
+It holds looks and habits only; nothing of a survey. A missing or damaged file means the defaults, never a failure.
+"""
+
+import dataclasses
+import json
+import logging
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import platformdirs
+
+log = logging.getLogger(__name__)
+
+MAX_RECENT = 12
+
+
+@dataclass
+class Preferences:
+    """The remembered values, with their defaults."""
+
+    theme: str = "light"
+    language: str = ""  # empty: the system's
+    geometry: str = ""  # base64 of QWidget.saveGeometry
+    splitters: dict[str, str] = field(default_factory=dict)  # name -> base64 of QSplitter.saveState
+    recent: list[str] = field(default_factory=list)  # newest first
+    volume: float = 0.8
+    play_band_only: bool = False
+    axis: str = "distance"
+
+
+class PreferencesStore:
+    """Reads the preferences once and writes them whole on each change."""
+
+    def __init__(self, file: Path | None = None) -> None:
+        self.file = file or config_folder() / "preferences.json"
+        self.values = self._read()
+
+    def change(self, **values: Any) -> None:  # noqa: ANN401  # any field of Preferences
+        """Set some values and write the file; a disc that refuses costs the habit, not the work."""
+        self.values = dataclasses.replace(self.values, **values)
+        text = json.dumps(dataclasses.asdict(self.values), ensure_ascii=False, indent=1)
+        try:
+            self.file.parent.mkdir(parents=True, exist_ok=True)
+            aside = self.file.with_suffix(".new")
+            aside.write_text(text, encoding="utf-8")
+            os.replace(aside, self.file)  # noqa: PTH105  # atomic on every platform
+        except OSError as error:
+            log.warning("preferences were not written: %s", error)
+
+    def remember_recent(self, path: Path) -> None:
+        """Put ``path`` on top of the recent surveys."""
+        entry = str(path)
+        self.change(recent=[entry, *(r for r in self.values.recent if r != entry)][:MAX_RECENT])
+
+    def forget_recent(self, path: Path) -> None:
+        """Take ``path`` off the recent surveys."""
+        self.change(recent=[r for r in self.values.recent if r != str(path)])
+
+    def _read(self) -> Preferences:
+        try:
+            found = json.loads(self.file.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return Preferences()
+        except (OSError, ValueError) as error:
+            log.warning("preferences were not read: %s", error)
+            return Preferences()
+        defaults = Preferences()
+        known = {f.name: getattr(defaults, f.name) for f in dataclasses.fields(Preferences)}
+        if not isinstance(found, dict):
+            return defaults
+        kept = {k: v for k, v in found.items() if k in known and isinstance(v, type(known[k]))}
+        kept["recent"] = [r for r in kept.get("recent", []) if isinstance(r, str)][:MAX_RECENT]
+        kept["splitters"] = {k: v for k, v in kept.get("splitters", {}).items() if isinstance(v, str)}
+        return Preferences(**kept)
+
+
+def config_folder() -> Path:
+    """Return the folder for preferences and column mappings."""
+    return Path(platformdirs.user_config_dir("Leakline", appauthor=False))
+
+
+def log_folder() -> Path:
+    """Return the folder for the program's log."""
+    return Path(platformdirs.user_log_dir("Leakline", appauthor=False))
+
+
+def surveys_folder() -> Path:
+    """Return where surveys go whose device folder cannot be written to."""
+    return Path(platformdirs.user_documents_dir()) / "Leakline"

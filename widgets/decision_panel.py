@@ -1,0 +1,147 @@
+"""What the machine says about the selected candidate, and the large buttons for what the operator says."""
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+
+from processing.survey import Decision, LeakClass, Verdict
+from widgets.candidate_table import CandidateRow
+from widgets.note_field import NoteField
+from widgets.plot_theme import Theme
+from widgets.vocabulary import class_text, half_width_m, number, verdict_icon
+
+BUTTON_HEIGHT = 48
+
+
+class DecisionPanel(QWidget):
+    """Verdict, class and note of one candidate. Signals out; it changes nothing itself."""
+
+    verdict_chosen = Signal(object)  # Verdict
+    class_chosen = Signal(object)  # LeakClass, or None for the machine's
+    note_changed = Signal(int, str)  # candidate id, text
+    note_left = Signal()
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._row: CandidateRow | None = None
+        self._title = QLabel()
+        self._title.setObjectName("candidate_title")
+        self._title.setTextFormat(Qt.TextFormat.PlainText)
+        self._evidence = QLabel()
+        self._evidence.setObjectName("candidate_evidence")
+        self._evidence.setWordWrap(True)
+        self._evidence.setTextFormat(Qt.TextFormat.PlainText)
+        self._evidence.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self._evidence.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.MinimumExpanding)
+        self._buttons = {verdict: self._button(verdict) for verdict in Verdict}
+        self._class = self._class_box()
+        self._note = NoteField()
+        self._note.setObjectName("note")
+        self._note.setPlaceholderText(self.tr("Note (Enter)"))
+        self._note.setAccessibleName(self.tr("Note"))
+        self._note.setFixedHeight(56)
+        self._note.note_changed.connect(self._on_note)
+        self._note.left.connect(self.note_left)
+        self._lay_out()
+        self.set_theme(theme)
+        self.show_row(None, writable=False)
+
+    def _lay_out(self) -> None:
+        grid = QGridLayout()
+        grid.setSpacing(6)
+        for i, verdict in enumerate((Verdict.CONFIRMED, Verdict.REJECTED, Verdict.UNSURE, Verdict.NONE)):
+            grid.addWidget(self._buttons[verdict], i // 2, i % 2)
+        grid.addWidget(self._class, 2, 0, 1, 2)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(6)
+        layout.addWidget(self._title)
+        layout.addWidget(self._evidence, 1)
+        layout.addLayout(grid)
+        layout.addWidget(self._note)
+
+    def _button(self, verdict: Verdict) -> QPushButton:
+        text = {
+            Verdict.CONFIRMED: self.tr("1  Confirm"),
+            Verdict.REJECTED: self.tr("2  Reject"),
+            Verdict.UNSURE: self.tr("3  Unsure"),
+            Verdict.NONE: self.tr("0  Clear"),
+        }[verdict]
+        button = QPushButton(text)
+        button.setObjectName(f"verdict_{verdict.value}")
+        button.setMinimumHeight(BUTTON_HEIGHT)
+        button.setIconSize(QSize(26, 26))
+        button.setCheckable(verdict is not Verdict.NONE)
+        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its key is the digit; Space belongs to the playback
+        button.clicked.connect(lambda _checked=False, v=verdict: self._on_verdict(v))
+        return button
+
+    def _class_box(self) -> QComboBox:
+        box = QComboBox()
+        box.setObjectName("leak_class")
+        box.setMinimumHeight(44)
+        box.setAccessibleName(self.tr("Class"))
+        box.addItem("", None)
+        for leak_class in LeakClass:
+            box.addItem(class_text(leak_class), leak_class)
+        box.activated.connect(self._on_class)
+        return box
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw the verdicts as this theme does."""
+        for verdict, button in self._buttons.items():
+            button.setIcon(verdict_icon(theme, verdict, 28))
+
+    def show_row(self, row: CandidateRow | None, *, writable: bool, evidence: str = "") -> None:
+        """Show a candidate, or None; ``evidence`` is its story in plain words. What was typed before is announced."""
+        if self._row is None or row is None or row.candidate.id != self._row.candidate.id:
+            self._note.flush()
+        self._row = row
+        for widget in (*self._buttons.values(), self._class):
+            widget.setEnabled(row is not None and writable)
+        self._note.setEnabled(row is not None)
+        self._note.setReadOnly(not writable)
+        self._evidence.setText(evidence)
+        if row is None:
+            self._title.setText(self.tr("No candidate selected"))
+            self._note.set_note("")
+            self._show_decision(Decision())
+            return
+        at, width = number(row.candidate.chainage_m, 1), number(half_width_m(row.candidate), 1)
+        self._title.setText(f"{row.name} · {at} m ± {width} m")
+        machine = class_text(row.candidate.leak_class)
+        self._class.setItemText(0, self.tr("Class: {machine} (by the machine)").format(machine=machine))
+        self._show_decision(row.decision)
+
+    def _show_decision(self, decision: Decision) -> None:
+        for verdict, button in self._buttons.items():
+            button.setChecked(verdict is not Verdict.NONE and verdict is decision.verdict)
+        self._class.setCurrentIndex(max(0, self._class.findData(decision.leak_class)) if decision.leak_class else 0)
+        if decision.note != self._note.toPlainText():
+            self._note.set_note(decision.note)
+
+    def flush(self) -> None:
+        """Announce a note that is still being typed."""
+        self._note.flush()
+
+    def focus_note(self) -> None:
+        """Put the caret at the end of the note."""
+        self._note.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        self._note.moveCursor(self._note.textCursor().MoveOperation.End)
+
+    def open_classes(self) -> None:
+        """Open the list of classes for the keyboard."""
+        self._class.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        self._class.showPopup()
+
+    def _on_verdict(self, verdict: Verdict) -> None:
+        if self._row is not None:
+            self._show_decision(self._row.decision)  # the button shows what is decided, not what was clicked
+            self.verdict_chosen.emit(verdict)
+
+    def _on_class(self, index: int) -> None:
+        if self._row is not None:
+            self.class_chosen.emit(self._class.itemData(index))
+
+    def _on_note(self, text: str) -> None:
+        if self._row is not None:
+            self.note_changed.emit(self._row.candidate.id, text)

@@ -1,0 +1,97 @@
+"""Words, numbers and marks that several widgets share: verdicts as shape + letter + colour, classes, figures with ±."""
+
+from PySide6.QtCore import QT_TRANSLATE_NOOP, QCoreApplication, QLocale, QPointF, Qt
+from PySide6.QtGui import QIcon, QPainter, QPixmap
+
+from processing.survey import Candidate, LeakClass, Motion, Severity, Verdict
+from widgets.plot_theme import Theme, paint_verdict
+
+_VERDICTS: dict[Verdict, str] = {
+    Verdict.NONE: str(QT_TRANSLATE_NOOP("Vocabulary", "undecided")),
+    Verdict.CONFIRMED: str(QT_TRANSLATE_NOOP("Vocabulary", "confirmed")),
+    Verdict.REJECTED: str(QT_TRANSLATE_NOOP("Vocabulary", "rejected")),
+    Verdict.UNSURE: str(QT_TRANSLATE_NOOP("Vocabulary", "unsure")),
+}
+_CLASSES: dict[LeakClass, str] = {
+    LeakClass.LEAK: str(QT_TRANSLATE_NOOP("Vocabulary", "leak")),
+    LeakClass.VALVE: str(QT_TRANSLATE_NOOP("Vocabulary", "valve")),
+    LeakClass.BEND: str(QT_TRANSLATE_NOOP("Vocabulary", "bend")),
+    LeakClass.PUMP: str(QT_TRANSLATE_NOOP("Vocabulary", "pump")),
+    LeakClass.BUMP: str(QT_TRANSLATE_NOOP("Vocabulary", "bump")),
+    LeakClass.AIR: str(QT_TRANSLATE_NOOP("Vocabulary", "air pocket")),
+    LeakClass.TRAFFIC: str(QT_TRANSLATE_NOOP("Vocabulary", "traffic")),
+    LeakClass.UNKNOWN: str(QT_TRANSLATE_NOOP("Vocabulary", "unknown")),
+}
+_MOTIONS: dict[Motion, str] = {
+    Motion.ROLLING: str(QT_TRANSLATE_NOOP("Vocabulary", "rolling ball")),
+    Motion.CARRIED: str(QT_TRANSLATE_NOOP("Vocabulary", "carried or pulled")),
+    Motion.FOOT: str(QT_TRANSLATE_NOOP("Vocabulary", "on a foot")),
+}
+_SEVERITIES: dict[Severity, str] = {
+    Severity.INFO: str(QT_TRANSLATE_NOOP("Vocabulary", "good to know")),
+    Severity.REPAIRED: str(QT_TRANSLATE_NOOP("Vocabulary", "repaired")),
+    Severity.MASKED: str(QT_TRANSLATE_NOOP("Vocabulary", "not assessed")),
+    Severity.WARNING: str(QT_TRANSLATE_NOOP("Vocabulary", "please look")),
+}
+
+
+def _words(text: str) -> str:
+    return QCoreApplication.translate("Vocabulary", text)
+
+
+def verdict_text(verdict: Verdict) -> str:
+    """Return the verdict as a word in the window's language."""
+    return _words(_VERDICTS[verdict])
+
+
+def class_text(leak_class: LeakClass) -> str:
+    """Return the class as a word in the window's language."""
+    return _words(_CLASSES[leak_class])
+
+
+def motion_text(motion: Motion) -> str:
+    """Return the motion as words in the window's language."""
+    return _words(_MOTIONS[motion])
+
+
+def severity_text(severity: Severity) -> str:
+    """Return what a severity means to the operator."""
+    return _words(_SEVERITIES[severity])
+
+
+def number(value: float | None, digits: int) -> str:
+    """Return a number by the window's locale, a dash where there is none."""
+    if value is None or value != value:  # NaN
+        return "–"
+    return QLocale().toString(float(value), "f", digits)
+
+
+def clock_text(time_s: float) -> str:
+    """Return survey seconds as ``h:mm:ss.t`` (``m:ss.t`` under an hour)."""
+    sign = "−" if time_s < 0 else ""
+    tenths = round(abs(time_s) * 10)
+    seconds, tenth = divmod(tenths, 10)
+    minutes, second = divmod(seconds, 60)
+    hours, minute = divmod(minutes, 60)
+    point = QLocale().decimalPoint()
+    head = f"{hours}:{minute:02d}" if hours else f"{minute}"
+    return f"{sign}{head}:{second:02d}{point}{tenth}"
+
+
+def half_width_m(candidate: Candidate) -> float:
+    """Return the ± of the candidate's chainage: half of its 95 % interval, metres."""
+    return (candidate.chainage_high95_m - candidate.chainage_low95_m) / 2.0
+
+
+def verdict_icon(theme: Theme, verdict: Verdict, size: int = 24) -> QIcon:
+    """Return the mark of a verdict as the views draw it: a shape and a sign of its own, readable without colour."""
+    scale = 2  # crisp on displays with two pixels a point
+    pixmap = QPixmap(size * scale, size * scale)
+    pixmap.setDevicePixelRatio(scale)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    paint_verdict(painter, theme, verdict, QPointF(size / 2, size / 2), size * 0.34)
+    painter.end()
+    icon = QIcon(pixmap)
+    icon.addPixmap(pixmap, QIcon.Mode.Selected)  # a selected row must not tint the colour away
+    return icon
