@@ -59,7 +59,9 @@ class OrientationSettings:
         3.0, "s", 0.2, 60.0, "specific force is averaged so long to find the first tilt (VQF: tau 3 s)"
     )
     rate_stands_for: str = choice(
-        "instant", ("instant", "interval"), "the rate of the moment, or the mean since the sample before"
+        "interval",
+        ("interval", "instant"),
+        "the mean since the sample before, as strapdown recorders deliver it and BROAD's data want it, or of the moment",
     )
     # magnetometer
     magnetometer: str = choice("auto", ("auto", "use", "ignore"), "auto trusts a steady field in a pipe without iron")

@@ -250,7 +250,7 @@ class ClockMap:
     start_s: float = 0.0
     drift_ppm: float = 0.0
     sigma_s: float = 0.0
-    basis: str = "assumed"  # given | knocks | assumed
+    basis: str = "assumed"  # given | knocks | bumps | assumed
 
     def to_survey(self, audio_s: FloatArray | float) -> FloatArray:
         """Return survey seconds of seconds on the audio clock."""

@@ -53,9 +53,8 @@ def test_a_tone_of_known_level_reads_that_level_in_its_band_and_in_the_picture(t
     picture = tile_db(result.tiles.columns(1, 3, 10, "mean"))
     row = np.argmin(abs(result.tiles.frequency_hz - 1620))
     assert picture.max(axis=1).argmax() in (row - 1, row, row + 1)
-    assert picture.max() == pytest.approx(
-        -30, abs=3.1
-    )  # a row holds two bins, one of them off the tone: −3 dB in the mean
+    # between two bins a tone loses up to 1.4 dB, and a row may average it with an empty bin: 3 dB
+    assert -34.6 <= picture.max() <= -29.7
     assert tile_db(result.tiles.columns(1, 3, 10, "max")).max() == pytest.approx(-30, abs=1.5)
 
 

@@ -1,0 +1,309 @@
+"""Finds how the audio clock runs against the IMU's: from what the operator says, from knocks, or from joint bumps.
+
+``survey_s = start_s + audio_s / (1 + drift)``. Both sensors feel a knock or a bump; the pairs of moments that lie on
+one line ``audio − survey = offset + drift · survey`` are counted, and a line is believed only where chance would hardly
+give it and no other line comes near (acoustics §6). Else the map is assumed, with the doubt that this deserves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+from processing.progress import Progress, silent
+from processing.settings import ClockSettings
+from processing.sound.onsets import Events, audio_events, imu_events
+from processing.sound.scan import SoundScan
+from processing.survey import AudioInfo, ClockMap, Finding, FloatArray, ImuSamples, Severity
+
+_KNOCKS_LOOKED_AT = 12  # the strongest in a zone: more would let chance in
+_MIN_KNOCKS = 4
+_MIN_BUMPS = 8
+_BUMPS_PER_S = 0.4  # so many of the strongest events are looked at
+_MOST_BUMPS = 4000  # keeps the search for twelve hours to seconds
+_KNOCKING_S = 25.0  # knocks come close together, joints do not
+_MAX_SECOND_SHARE = 0.7  # of the best line's pairs; above it the rhythm is ambiguous
+_MAX_CHANCE = 1e-4
+_EVENT_JITTER_S = 0.006  # of an audio onset against the moment of the blow
+_GIVEN_SIGMA_S = 0.005
+
+
+@dataclass(frozen=True)
+class _Line:
+    """``audio − survey = offset_s + drift · (survey − middle_s)`` and the pairs that lie on it."""
+
+    offset_s: float
+    drift: float
+    middle_s: float
+    survey_s: FloatArray  # (n,) moments of the pairs
+    shift_s: FloatArray  # (n,) audio − survey of the pairs
+
+    @property
+    def count(self) -> int:
+        return len(self.survey_s)
+
+
+def align(
+    imu: ImuSamples,
+    scan: SoundScan | None,
+    told: AudioInfo,
+    settings: ClockSettings,
+    progress: Progress | None = None,
+) -> tuple[ClockMap, tuple[Finding, ...]]:
+    """Return the map from audio time to survey time, and what it rests on.
+
+    Values in ``told`` win; one that is missing is estimated, and assumed 0 where nothing convincing is found.
+    ``sigma_s`` (1 sigma) holds in the middle of the recording.
+    """
+    progress = progress or silent()
+    progress.update(0.0, "clock_aligning")
+    if told.start_time_s is not None and told.drift_ppm is not None:
+        return ClockMap(told.start_time_s, told.drift_ppm, _GIVEN_SIGMA_S, "given"), ()
+    if scan is None or len(imu.time_s) < 3:
+        return _assumed(told, 0.0, settings)
+    period_s = 1.0 / imu.sample_rate_hz
+    felt = imu_events(imu)
+    felt = Events(felt.time_s - settings.imu_delay_periods * period_s, felt.strength)
+    progress.update(0.4)
+    heard = audio_events(scan)
+    progress.update(0.7)
+    search = _Search(felt, heard, _EVENT_JITTER_S + 0.6 * period_s, told, settings, scan.duration_s)
+    start, end = search.knocks()
+    bumps = search.bumps(start or end)
+    progress.update(1.0)
+    return _chosen(start, end, bumps, search, period_s)
+
+
+class _Search:
+    """The events of both sensors and what is known beforehand."""
+
+    def __init__(
+        self, felt: Events, heard: Events, tolerance_s: float, told: AudioInfo, settings: ClockSettings, audio_s: float
+    ) -> None:
+        self.felt, self.heard, self.tolerance_s = felt, heard, tolerance_s
+        self.told, self.settings, self.audio_s = told, settings, audio_s
+        self.begin_s = told.start_time_s or 0.0
+        self.middle_s = self.begin_s + audio_s / 2
+
+    @property
+    def expected_drift(self) -> float:
+        """The drift to look around."""
+        return (self.told.drift_ppm or 0.0) * 1e-6
+
+    @property
+    def drift_range(self) -> float:
+        """How far around it."""
+        return 0.0 if self.told.drift_ppm is not None else self.settings.max_drift_ppm * 1e-6
+
+    def shift_at(self, survey_s: float) -> tuple[float, float]:
+        """Return audio − survey to be expected then, and how far around it to look."""
+        expected = -self.begin_s + self.expected_drift * (survey_s - self.begin_s)
+        room = 0.1 if self.told.start_time_s is not None else self.settings.search_s
+        return expected, room + self.drift_range * max(0.0, survey_s - self.begin_s)
+
+    def knocks(self) -> tuple[_Line | None, _Line | None]:
+        """Return the alignment by knocks in the zones at the start and at the end."""
+        zone = min(self.settings.knock_zone_s, self.audio_s / 2)
+        start = self._zone(self.begin_s, self.begin_s + zone, None)
+        end_s = self.begin_s + self.audio_s
+        return start, self._zone(end_s - zone, end_s, start)
+
+    def _zone(self, from_s: float, to_s: float, known: _Line | None) -> _Line | None:
+        """Return a line with the expected drift through at least four of the strongest events in a span."""
+        centre, room = self.shift_at(0.5 * (from_s + to_s))
+        if known is not None:
+            centre = known.offset_s + self.expected_drift * (0.5 * (from_s + to_s) - known.middle_s)
+            room = 0.05 + self.drift_range * (to_s - known.middle_s)
+        # recorders that were started apart put the knocks elsewhere in the zone of each
+        margin = 0.0 if known is not None else room
+        felt = self.felt.between(from_s - margin, to_s + margin).strongest(_KNOCKS_LOOKED_AT)
+        heard = self.heard.between(from_s + centre - margin, to_s + centre + margin).strongest(_KNOCKS_LOOKED_AT)
+        survey_s, shift_s = _pairs(felt.time_s, heard.time_s, centre, room)
+        drifts = np.array([self.expected_drift])
+        chance = self._pairs_by_chance(felt, heard, to_s - from_s)
+        line = _best_line(survey_s, shift_s, drifts, 0.5 * (from_s + to_s), self.tolerance_s, chance, _MIN_KNOCKS)
+        return line if line is not None and _is_knocking(line) else None
+
+    def _pairs_by_chance(self, felt: Events, heard: Events, span_s: float) -> float:
+        return len(felt.time_s) * len(heard.time_s) * 2 * self.tolerance_s / max(span_s, 1.0)
+
+    def bumps(self, known: _Line | None) -> _Line | None:
+        """Return the line through the joint bumps along the way, near ``known`` where there is one."""
+        most = int(min(_MOST_BUMPS, _BUMPS_PER_S * self.audio_s))
+        felt, heard = self.felt.strongest(most), self.heard.strongest(most)
+        if len(felt.time_s) < _MIN_BUMPS:
+            return None
+        middle_s = 0.5 * float(felt.time_s[0] + felt.time_s[-1])
+        centre, room = self.shift_at(middle_s)
+        if known is not None:
+            centre = known.offset_s + self.expected_drift * (middle_s - known.middle_s)
+            room = 0.05 + self.drift_range * abs(middle_s - known.middle_s)
+        far = room + self.drift_range * float(felt.time_s[-1] - felt.time_s[0]) / 2
+        survey_s, shift_s = _pairs(felt.time_s, heard.time_s, centre, far, self.expected_drift, middle_s)
+        step = self.tolerance_s / max(float(felt.time_s[-1] - felt.time_s[0]) / 2, 1.0)
+        count = int(np.ceil(self.drift_range / step))
+        drifts = self.expected_drift + step * np.arange(-count, count + 1, dtype=np.float64)
+        chance = self._pairs_by_chance(felt, heard, float(felt.time_s[-1] - felt.time_s[0]))
+        line = _best_line(survey_s, shift_s, drifts, middle_s, self.tolerance_s, chance, _MIN_BUMPS)
+        return line if line is not None and _halves_agree(line, survey_s, shift_s, room, self.tolerance_s) else None
+
+
+def _pairs(
+    survey_s: FloatArray, audio_s: FloatArray, centre: float, room: float, drift: float = 0.0, middle_s: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """Return survey times and shifts (audio − survey) of all pairs whose shift is within ``room`` of the expected."""
+    expected = survey_s + centre + drift * (survey_s - middle_s)
+    first = np.searchsorted(audio_s, expected - room)
+    counts = np.searchsorted(audio_s, expected + room) - first
+    which = np.repeat(np.arange(len(survey_s)), counts)
+    within = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+    partners = audio_s[first[which] + within]
+    return survey_s[which], partners - survey_s[which]
+
+
+def _best_line(
+    survey_s: FloatArray,
+    shift_s: FloatArray,
+    drifts: FloatArray,
+    middle_s: float,
+    tolerance_s: float,
+    expected: float,
+    min_pairs: int,
+) -> _Line | None:
+    """Return the line with most pairs within ±tolerance, or None where it may be chance or another is as good.
+
+    ``expected`` is how many pairs strangers would give a line.
+    """
+    if len(survey_s) < min_pairs:
+        return None
+    lowest = float(shift_s.min() - np.ptp(survey_s) * np.abs(drifts).max())
+
+    def counted(drift: float) -> npt.NDArray[np.int64]:
+        offsets = shift_s - drift * (survey_s - middle_s)
+        cells = np.bincount(((offsets - lowest) / tolerance_s).astype(np.int64))
+        pairs: npt.NDArray[np.int64] = cells + np.append(cells[1:], 0)
+        return pairs
+
+    best, best_drift, best_offset, cells_tried = 0, 0.0, 0.0, 0
+    for drift in drifts:
+        counts = counted(drift)
+        at = int(np.argmax(counts))
+        cells_tried += len(counts)
+        if counts[at] > best:
+            best, best_drift, best_offset = int(counts[at]), float(drift), lowest + (at + 1) * tolerance_s
+    second = 0
+    for drift in drifts:
+        counts = counted(drift)
+        elsewhere = np.abs(lowest + (np.arange(len(counts)) + 1) * tolerance_s - best_offset) > 8 * tolerance_s
+        second = max(second, int(counts[elsewhere].max(initial=0)))
+    chance = cells_tried * float(stats.poisson.sf(best - 1, expected))
+    if best < min_pairs or second > _MAX_SECOND_SHARE * best or chance > _MAX_CHANCE:
+        return None
+    return _fitted(survey_s, shift_s, best_drift, best_offset, middle_s, tolerance_s, len(drifts) > 1)
+
+
+def _fitted(
+    survey_s: FloatArray,
+    shift_s: FloatArray,
+    drift: float,
+    offset_s: float,
+    middle_s: float,
+    tolerance_s: float,
+    with_drift: bool,
+) -> _Line:
+    """Return the least-squares line through the pairs near the one found, in three rounds of narrowing."""
+    near = np.ones(len(survey_s), np.bool_)
+    for reach in (2.0, 1.5, 1.2):
+        residual = shift_s - offset_s - drift * (survey_s - middle_s)
+        near = np.abs(residual) <= reach * tolerance_s
+        if with_drift and np.ptp(survey_s[near]) > 0:
+            slope, at_middle = np.polyfit(survey_s[near] - middle_s, shift_s[near], 1)
+            drift, offset_s = float(slope), float(at_middle)
+        else:
+            offset_s = float(np.mean(shift_s[near] - drift * (survey_s[near] - middle_s)))
+    return _Line(offset_s, drift, middle_s, survey_s[near], shift_s[near])
+
+
+def _is_knocking(line: _Line) -> bool:
+    """Whether at least four of the pairs come as close together as somebody knocks."""
+    times = np.sort(line.survey_s)
+    return bool(np.any(times[_MIN_KNOCKS - 1 :] - times[: 1 - _MIN_KNOCKS] <= _KNOCKING_S))
+
+
+def _halves_agree(line: _Line, survey_s: FloatArray, shift_s: FloatArray, room: float, tolerance_s: float) -> bool:
+    """Whether each half of the run, on its own, has its most pairs at the same offset along that drift."""
+    offsets = shift_s - line.drift * (survey_s - line.middle_s)
+    for part in (survey_s < line.middle_s, survey_s >= line.middle_s):
+        mine = np.sort(offsets[part & (np.abs(offsets - line.offset_s) <= room + tolerance_s)])
+        if not len(mine):
+            return False
+        reach = np.searchsorted(mine, mine + 2 * tolerance_s, side="right") - np.arange(len(mine))
+        at = int(np.argmax(reach))
+        if abs(mine[at] + tolerance_s - line.offset_s) > 3 * tolerance_s:
+            return False
+    return True
+
+
+# --- from lines to a map ---------------------------------------------------------------------------------------------
+
+
+def _chosen(
+    start: _Line | None, end: _Line | None, bumps: _Line | None, search: _Search, period_s: float
+) -> tuple[ClockMap, tuple[Finding, ...]]:
+    told, settings = search.told, search.settings
+    line, basis = bumps, "bumps"
+    if start is not None and end is not None:
+        line, basis = _through(start, end, search), "knocks"
+    elif (start or end) is not None and bumps is None:
+        line, basis = start or end, "knocks"
+    elif (start or end) is not None:
+        basis = "knocks"
+    if line is None:
+        return _assumed(told, search.audio_s, settings)
+    has_drift = told.drift_ppm is not None or line is bumps or (start is not None and end is not None)
+    measured = line.drift if told.drift_ppm is None else told.drift_ppm * 1e-6
+    drift = measured if has_drift else 0.0
+    # audio = survey + offset + drift·(survey − middle) = (1 + drift)·(survey − start)
+    start_s = (drift * line.middle_s - line.offset_s) / (1.0 + drift)
+    if told.start_time_s is not None:
+        start_s = told.start_time_s
+    sigma_s = _sigma_s(line, period_s)
+    if not has_drift:
+        away_s = abs(search.middle_s - line.middle_s)
+        sigma_s = float(np.hypot(sigma_s, away_s * settings.assumed_drift_sigma_ppm * 1e-6))
+    params: dict[str, str | float] = {"pairs": line.count, "drift_ppm": drift * 1e6, "sigma_ms": 1000 * sigma_s}
+    if has_drift:
+        finding = Finding(f"clock_{basis}", Severity.INFO, params)
+    else:
+        finding = Finding("clock_no_drift", Severity.WARNING, params)
+    return ClockMap(start_s, drift * 1e6, sigma_s, basis), (finding,)
+
+
+def _through(start: _Line, end: _Line, search: _Search) -> _Line:
+    """Return the line through the knocks at both ends."""
+    survey_s = np.concatenate([start.survey_s, end.survey_s])
+    shift_s = np.concatenate([start.shift_s, end.shift_s])
+    if search.told.drift_ppm is not None:
+        drift = search.expected_drift
+        offset_s = float(np.mean(shift_s - drift * (survey_s - search.middle_s)))
+    else:
+        slope, at_middle = np.polyfit(survey_s - search.middle_s, shift_s, 1)
+        drift, offset_s = float(slope), float(at_middle)
+    return _Line(offset_s, drift, search.middle_s, survey_s, shift_s)
+
+
+def _sigma_s(line: _Line, period_s: float) -> float:
+    """Return the scatter of the mean of the pairs with half a sample for the sensor's unknown delay."""
+    residual = line.shift_s - line.offset_s - line.drift * (line.survey_s - line.middle_s)
+    scatter = float(np.sqrt(np.sum(residual**2) / max(line.count - 2, 1)))
+    return float(np.hypot(scatter / np.sqrt(line.count), 0.5 * period_s))
+
+
+def _assumed(told: AudioInfo, audio_s: float, settings: ClockSettings) -> tuple[ClockMap, tuple[Finding, ...]]:
+    """Return what was told, zeros for the rest, and the doubt in the middle of the recording."""
+    start_sigma = _GIVEN_SIGMA_S if told.start_time_s is not None else settings.assumed_start_sigma_s
+    drift_sigma = 0.0 if told.drift_ppm is not None else settings.assumed_drift_sigma_ppm * 1e-6 * audio_s / 2
+    sigma_s = float(np.hypot(start_sigma, drift_sigma))
+    clock = ClockMap(told.start_time_s or 0.0, told.drift_ppm or 0.0, sigma_s, "assumed")
+    return clock, (Finding("clock_assumed", Severity.WARNING, {"sigma_ms": 1000 * sigma_s}),)
