@@ -115,7 +115,7 @@ class PositionSettings:
     reverse_max_m: float = tunable(2.0, "m", 0.1, 100.0, "rolling back further than this is a turn of the pipe")
     # carried and foot
     still_acc_mps2: float = tunable(0.5, "m/s²", 0.01, 5.0, "filtered | |a| − g | of a standstill (P3; 0.05 g)")
-    still_gyr_dps: float = tunable(45.0, "°/s", 0.5, 200.0, "angular rate of a standstill; a standing foot still rolls")
+    still_gyr_dps: float = tunable(45.0, "°/s", 0.5, 200.0, "rate of a standstill; a standing foot still rolls")
     still_push_mps2: float = tunable(0.15, "m/s²", 0.01, 5.0, "least linear acceleration that counts as moving")
     still_min_s: float = tunable(0.15, "s", 0.02, 10.0, "a shorter quiet moment is no standstill")
     still_margin_s: float = tunable(0.3, "s", 0.0, 2.0, "the edge of a carried device's standstill still moves")

@@ -22,7 +22,7 @@ from processing.position.odometry import (
     track_grid,
     usable_rows,
 )
-from processing.position.stillness import find_stillness, spans_of
+from processing.position.stillness import find_stillness, really_resting, resting_level, spans_of
 from processing.progress import Progress
 from processing.settings import PositionSettings
 from processing.survey import Attitude, BoolArray, Finding, FloatArray, ImuSamples, Motion, Severity, Survey
@@ -43,14 +43,21 @@ def reckon(
     rows = usable_rows(imu)
     time_s = imu.time_s[rows]
     index = np.arange(len(imu.time_s)) if isinstance(rows, slice) else rows
-    stillness = find_stillness(time_s, _sizes(imu.acc_s_mps2, index), _sizes(imu.gyr_s_radps, index), settings)
+    acc, gyr = _sizes(imu.acc_s_mps2, index), _sizes(imu.gyr_s_radps, index)
+    if survey.device.motion is Motion.FOOT:  # a stance is short, hard, and leaves no doubt
+        stillness = find_stillness(time_s, acc, gyr, settings)
+    else:
+        gravity = resting_level(acc, gyr, 1.0 / float(np.median(np.diff(time_s))))
+        pushes = _pushes(imu, attitude, index, gravity)
+        stillness = find_stillness(time_s, acc, gyr, settings, pushes, settings.still_margin_s)
     progress.update(0.2, "position_reckon")
     rests = spans_of(stillness.still)
     grid = track_grid(float(time_s[0]), float(time_s[-1]), settings.track_rate_hz)
     at_s = np.unique(np.concatenate([grid, time_s[rests.ravel()]]))
     velocity, position = _twice_integrated(imu, attitude, index, stillness.gravity_mps2, at_s, progress)
     if survey.device.motion is not Motion.FOOT:
-        rests = rests[_really_resting(time_s, rests, at_s, velocity)]
+        first, last = (velocity[np.searchsorted(at_s, time_s[rests[:, edge]])] for edge in (0, 1))
+        rests = rests[really_resting(time_s[rests[1:, 0]] - time_s[rests[:-1, 1]], first, last)]
     moves = _moving_stretches(time_s, rests)
     path = _without_drift(at_s, velocity, position, moves)
     on_grid = np.searchsorted(at_s, grid)
@@ -141,30 +148,17 @@ def _twice_integrated(
     return velocity, position
 
 
-def _really_resting(
-    time_s: FloatArray, rests: "np.ndarray[tuple[int, int], np.dtype[np.intp]]", at_s: FloatArray, velocity: FloatArray
-) -> BoolArray:
-    """Tell a standstill from smooth travel, which feels the same: between two standstills the velocity returns to zero.
-
-    A quiet span is travel when the velocity gained since the last standstill is more than drift can explain; drift is
-    allowed 0.2 m/s and a tilt error of 0.3° (0.05 m/s²) for the time since, but not beyond a fast walk.
-    """
-    keep = np.ones(len(rests), dtype=np.bool_)
-    if len(rests) == 0:
-        return keep
-    first = velocity[np.searchsorted(at_s, time_s[rests[:, 0]])]
-    last = velocity[np.searchsorted(at_s, time_s[rests[:, 1]])]
-    length_s = time_s[rests[:, 1]] - time_s[rests[:, 0]]
-    rested_at = 0
-    for k in range(1, len(rests)):
-        gained = float(np.linalg.norm(first[k] - last[rested_at]))
-        since = float(time_s[rests[k, 0]] - time_s[rests[rested_at, 1]])
-        # a whole second of true quiet after a long way is a rest: drift may be large by then
-        allowed = 0.2 + 0.05 * since + (0.5 if length_s[k] > 3.0 and since > 20.0 else 0.0)
-        keep[k] = gained <= min(allowed, 1.5)
-        if keep[k]:
-            rested_at = k
-    return keep
+def _pushes(
+    imu: ImuSamples, attitude: Attitude, index: "np.ndarray[tuple[int], np.dtype[np.intp]]", gravity_mps2: float
+) -> FloatArray:
+    """Size (k,) of the world acceleration less gravity."""
+    out = np.empty(len(index))
+    for start in range(0, len(index), BLOCK_ROWS):
+        rows = index[start : start + BLOCK_ROWS]
+        acc_w = rotate(attitude.quat_ws[rows], imu.acc_s_mps2[rows])
+        acc_w[:, 2] -= gravity_mps2
+        out[start : start + BLOCK_ROWS] = np.sqrt(np.einsum("ij,ij->i", acc_w, acc_w))
+    return out
 
 
 def _moving_stretches(time_s: FloatArray, rests: "np.ndarray[tuple[int, int], np.dtype[np.intp]]") -> Moves:
@@ -237,8 +231,12 @@ def arc_length(time_s: FloatArray, velocity_w_mps: FloatArray, moving: BoolArray
     turning = (np.abs(np.gradient(heading, time_s)) > _TURN_RADPS) & (speed > 0.1)
     turning = maximum_filter1d(turning.astype(np.uint8), 2 * int(np.ceil(2.0 * width)) + 1).astype(np.bool_)
     along = np.where(turning, np.hypot(level[:, 0], level[:, 1]), np.sum(level * direction, axis=1))
-    rising = gaussian_filter1d(velocity_w_mps[:, 2], 1.0 / step_s, mode="nearest")
-    pace = np.hypot(np.maximum(along, 0.0), rising)
+    rising, onward = gaussian_filter1d(
+        np.column_stack([velocity_w_mps[:, 2], speed]), 1.0 / step_s, axis=0, mode="nearest"
+    ).T
+    along = np.maximum(along, 0.0)
+    climbing = np.abs(rising) / np.maximum(onward, 0.1)
+    pace = np.where(onward > 0.1, along * np.hypot(1.0, climbing), np.hypot(along, rising))
     pace[~moving | (pace < _CREEP_MPS)] = 0.0
     return cumulated(0.5 * np.diff(time_s) * (pace[1:] + pace[:-1]))
 

@@ -3,6 +3,9 @@
 P3, section 5.3: |a| is high-pass filtered, made absolute, low-pass filtered, and compared with a threshold. The high
 pass only takes off the resting level, so here that level is found directly (the quietest seconds of the run), which
 holds for any sample rate and any share of walking; a device that turns does not rest, whatever its |a| says.
+
+|a| hardly feels a gentle horizontal push (1 m/s² changes it by 0.05), so where an attitude is at hand its linear
+acceleration has a word too. Travel at constant speed feels like rest to all of them: :func:`really_resting` tells.
 """
 
 from dataclasses import dataclass
@@ -14,6 +17,7 @@ from processing.survey import BoolArray, FloatArray
 
 _LOW_PASS_HZ = 5.0
 _ENERGY_S = 0.1
+_CALM_RADPS = 0.03
 _STANDARD_GRAVITY = 9.80665
 
 
@@ -26,9 +30,16 @@ class Stillness:
 
 
 def find_stillness(
-    time_s: FloatArray, acc_mps2: FloatArray, gyr_radps: FloatArray, settings: PositionSettings
+    time_s: FloatArray,
+    acc_mps2: FloatArray,
+    gyr_radps: FloatArray,
+    settings: PositionSettings,
+    linear_mps2: FloatArray | None = None,
+    margin_s: float = 0.0,
 ) -> Stillness:
     """Return where a device with |a| ``acc_mps2`` (n,) and |ω| ``gyr_radps`` (n,) at ``time_s`` (n,) stands still.
+
+    ``linear_mps2`` (n,) is the size of the world acceleration less gravity; ``margin_s`` is taken off each standstill.
 
     Source: P3 section 5.3 and P0 section 3 (Butterworth), Skog et al. 2010 (angular-rate energy).
     """
@@ -36,12 +47,18 @@ def find_stillness(
     gravity = resting_level(acc_mps2, gyr_radps, rate_hz)
     quiet = _low_passed(np.abs(acc_mps2 - gravity), rate_hz) < settings.still_acc_mps2
     quiet &= _smooth(gyr_radps**2, _ENERGY_S * rate_hz) < np.radians(settings.still_gyr_dps) ** 2
+    if linear_mps2 is not None:
+        push = _low_passed(linear_mps2, rate_hz)
+        # a tilt error is a push that never ends: at rest it sets the floor
+        calm = quiet & (_smooth(gyr_radps, _ENERGY_S * rate_hz) < _CALM_RADPS)
+        floor = float(np.median(push[calm])) if np.any(calm) else 0.0
+        quiet &= push < np.clip(3.0 * floor, settings.still_push_mps2, settings.still_acc_mps2)
     # a gap in the samples says nothing about rest
     step = np.diff(time_s)
     gap = np.flatnonzero(step > 0.25)
     quiet[gap] = False
     quiet[gap + 1] = False
-    return Stillness(_only_long(time_s, quiet, settings), gravity)
+    return Stillness(_only_long(time_s, quiet, settings.still_min_s, margin_s), gravity)
 
 
 def resting_level(acc_mps2: FloatArray, gyr_radps: FloatArray, rate_hz: float) -> float:
@@ -57,6 +74,24 @@ def resting_level(acc_mps2: FloatArray, gyr_radps: FloatArray, rate_hz: float) -
     quietest = np.argsort(unrest, kind="stable")[: max(count // 50, 2)]
     level = float(np.median(np.mean(acc[quietest], axis=1)))
     return level if 9.0 < level < 10.6 else _STANDARD_GRAVITY
+
+
+def really_resting(duration_s: FloatArray, first_mps: FloatArray, last_mps: FloatArray) -> BoolArray:
+    """Return which of k quiet spans are standstills (k,), and not travel at constant speed, which feels the same.
+
+    ``first_mps`` and ``last_mps`` (k, 3) are the integrated velocities at the ends of each span, ``duration_s`` (k − 1,)
+    the times between the spans. The first is a standstill; a velocity gained since that drift cannot explain
+    (0.05 m/s, and a tilt of 0.2° for the time between) is travel, until it is lost again.
+    """
+    resting = np.ones(len(first_mps), dtype=np.bool_)
+    velocity = np.zeros(3)
+    for k in range(1, len(first_mps)):
+        drift = 0.05 + 0.035 * float(duration_s[k - 1])
+        speed = float(np.linalg.norm(velocity))
+        now = velocity + first_mps[k] - last_mps[k - 1]
+        resting[k] = float(np.linalg.norm(now)) <= drift + 0.3 * speed
+        velocity = np.zeros(3) if resting[k] else now + last_mps[k] - first_mps[k]
+    return resting
 
 
 def spans_of(mask: BoolArray) -> "np.ndarray[tuple[int, int], np.dtype[np.intp]]":
@@ -80,13 +115,13 @@ def _smooth(values: FloatArray, width: float) -> FloatArray:
     return np.asarray(uniform_filter1d(values, max(round(width), 1), mode="nearest"), dtype=np.float64)
 
 
-def _only_long(time_s: FloatArray, quiet: BoolArray, settings: PositionSettings) -> BoolArray:
+def _only_long(time_s: FloatArray, quiet: BoolArray, least_s: float, margin_s: float) -> BoolArray:
     """Drop the edges of each quiet span, then the spans that are too short; the run's own ends have no edge."""
     still = np.zeros_like(quiet)
     for first, last in spans_of(quiet):
-        start = time_s[first] + (settings.still_margin_s if first > 0 else 0.0)
-        end = time_s[last] - (settings.still_margin_s if last < len(time_s) - 1 else 0.0)
-        if end - start >= settings.still_min_s:
+        start = time_s[first] + (margin_s if first > 0 else 0.0)
+        end = time_s[last] - (margin_s if last < len(time_s) - 1 else 0.0)
+        if end - start >= least_s:
             still[slice(*np.searchsorted(time_s, [start, end], side="left"))] = True
             still[min(int(np.searchsorted(time_s, end)), len(time_s) - 1)] = True
     return still

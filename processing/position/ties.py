@@ -106,7 +106,9 @@ def _of_length(odometry: Odometry, survey: Survey, settings: PositionSettings) -
     length = survey.pipe.length_m
     if length is None or length <= 0.0 or odometry.chainage_m[-1] <= 0.0:
         return None
-    if any(t.enabled and t.chainage_m is not None and t.chainage_m >= 0.98 * length for t in survey.tie_points):
+    if any(
+        t.enabled and t.chainage_m is not None and abs(t.chainage_m / length - 1.0) < 0.02 for t in survey.tie_points
+    ):
         return None
     row = int(np.searchsorted(odometry.chainage_m, odometry.chainage_m[-1], side="left"))
     sigma = _LENGTH_SIGMA_M + length * settings.length_sigma_pct / 100.0

@@ -29,6 +29,12 @@ def smooth_speed(time_s, pieces):
     return speed
 
 
+def bend(s, start_m, angle_rad, radius_m):
+    """Curvature at ``s`` of a bend: it rises and falls as a squared sine, ``radius_m`` is its mean radius."""
+    part = np.clip((s - start_m) / (abs(angle_rad) * radius_m), 0.0, 1.0)
+    return np.sign(angle_rad) * 2.0 / radius_m * np.sin(np.pi * part) ** 2
+
+
 def _quaternions(omega_w, dt):
     """Attitude (n, 4) of world-frame rates (n, 3) held piecewise linear: the fourth-order Magnus step."""
     q = np.empty((len(omega_w), 4))
@@ -99,7 +105,7 @@ def carried_run(pieces, duration_s, curvature=lambda s: 0.0 * s, slope=0.0, rate
     velocity = v[:, None] * np.column_stack([np.cos(yaw), np.sin(yaw), np.full_like(yaw, slope)])
     position = np.vstack([[0.0, 0.0, 0.0], np.cumsum(0.5 * dt * (velocity[1:] + velocity[:-1]), axis=0)])
     acc_w = np.gradient(velocity, dt, axis=0) + np.array([0.0, 0.0, GRAVITY])
-    acc_w[:, 2] += tremor * np.sin(2 * np.pi * 7.0 * time_s) * (v > 0.0)
+    acc_w[:, 2] += tremor * np.cos(2 * np.pi * 7.0 * time_s) * (v > 0.0)  # begins at its peak: no net speed
     omega_w = np.column_stack([0.0 * turn, 0.0 * turn, turn])
     q = _quaternions(omega_w, dt)
     pick = slice(None, None, fine)
