@@ -135,7 +135,7 @@ _LATITUDE = Number(-90.0, 90.0, "°")
 _LONGITUDE = Number(-180.0, 180.0, "°")
 
 TABLES: Mapping[str, Mapping[str, Kind]] = {
-    "survey": {"name": Text(), "operator": Text(), "date": Date(), "client": Text()},
+    "survey": {"name": Text(), "operator": Text(), "date": Date(), "client": Text(), "simulated": Flag()},
     "pipe": {
         "material": Text(),
         "diameter_m": Number(0.0, 20.0, "m", above=True),
