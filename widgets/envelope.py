@@ -157,6 +157,8 @@ def joined(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
     rises, falls = low[1:] > high[:-1], high[1:] < low[:-1]
     up, down = 0.5 * (low[1:] + high[:-1]), 0.5 * (high[1:] + low[:-1])
     low, high = low.copy(), high.copy()
+    # a spike reaches towards both neighbours: what one asks for must not take back what the other got
     low[1:], high[:-1] = np.where(rises, up, low[1:]), np.where(rises, up, high[:-1])
-    high[1:], low[:-1] = np.where(falls, down, high[1:]), np.where(falls, down, low[:-1])
+    high[1:] = np.where(falls, np.maximum(down, high[1:]), high[1:])
+    low[:-1] = np.where(falls, np.minimum(down, low[:-1]), low[:-1])
     return low, high

@@ -71,6 +71,8 @@ def paint_y_axis(
     label: str,
     text: Callable[[float, float], str],
     left: float,
+    *,
+    grid: bool = True,
 ) -> None:
     """Draw the grid, the ticks and the name of a vertical axis; the labels stand between ``left`` and the plot.
 
@@ -82,8 +84,9 @@ def paint_y_axis(
     painter.setFont(theme.font())
     for value in ticks:
         y = rect.bottom() - float(scale.fraction(value)) * rect.height()
-        painter.setPen(QPen(QColor(theme.grid), 1))
-        painter.drawLine(QPointF(rect.left(), y), QPointF(rect.right(), y))
+        if grid:
+            painter.setPen(QPen(QColor(theme.grid), 1))
+            painter.drawLine(QPointF(rect.left(), y), QPointF(rect.right(), y))
         painter.setPen(QColor(theme.text))
         painter.drawLine(QPointF(rect.left() - 4, y), QPointF(rect.left(), y))
         # labels keep inside the axis, so that those of neighbouring strips do not run into each other

@@ -245,18 +245,14 @@ class SpectrogramView(LinkedPlot):
                 if picture is not None:
                     self._paint_stretched(painter, rect, picture, key)
         painter.restore()
-        metrics = self._theme.metrics()
-        paint_y_axis(
-            painter,
-            rect,
-            self._frequency,
-            self._theme,
-            self.tr("Hz"),
-            lambda f, _: hertz_text(f),
-            1.3 * metrics.height(),
-        )
+        label, left = self.tr("Hz"), self._axis_left()
+        paint_y_axis(painter, rect, self._frequency, self._theme, label, self._hertz_text, left, grid=False)
         self._paint_band(painter, rect)
         self._bar.paint(painter, self._value_rect(), self._theme)
+
+    def _hertz_text(self, value: float, step: float) -> str:
+        del step
+        return hertz_text(value, self.locale())
 
     def _image(self, picture: Picture) -> QImage:
         rows, columns = picture.levels.shape

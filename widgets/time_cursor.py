@@ -121,7 +121,7 @@ class TimeCursor(QObject):
         return np.where(np.isfinite(metres), self._map.first_time_at(np.nan_to_num(metres)), np.nan)
 
     def column_edges_s(self, columns: int, *, whole: bool = False) -> FloatArray:
-        """Return the ``columns + 1`` moments, never falling, that bound the pixel columns of the visible or whole range.
+        """Return ``columns + 1`` moments, never falling, that bound the pixel columns of the visible or whole range.
 
         A stretch without movement belongs, when the axis counts metres, to the one column it happened in.
         """
