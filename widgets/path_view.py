@@ -226,7 +226,8 @@ class PathView(QWidget):
         except Exception:  # noqa: BLE001  # handed on
             report_paint_error()
         finally:
-            painter.end()
+            if painter.isActive():
+                painter.end()
 
     def _paint_pixmap(self) -> None:
         ratio = self.devicePixelRatioF()
