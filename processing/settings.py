@@ -162,6 +162,15 @@ class DetectorSettings:
     """From levels in metres to candidates."""
 
     background_m: float = tunable(24.0, "m", 3.0, 200.0, "half window of the running background (acoustics §5.1)")
+    min_speed_mps: float = tunable(0.12, "m/s", 0.0, 2.0, "slower, the same metre is heard on and on (acoustics §5.1)")
+    min_score: float = tunable(0.2, "", 0.0, 1.0, "93 % of leaks at two false ones a kilometre (acoustics §5.2)")
+    max_candidates: float = tunable(200.0, "", 1.0, 10000.0, "more than anybody reviews in a day")
+    metres_from_m: float = tunable(100.0, "m", 30.0, 5000.0, "auto: shorter runs give metre statistics too few metres")
+    envelope_smooth_s: float = tunable(4.0, "s", 0.2, 60.0, "best of the envelope finder (acoustics §5.2)")
+    envelope_background_s: float = tunable(30.0, "s", 2.0, 600.0, "half window of its background where no path is known")
+    envelope_order: str = choice(
+        "background", ("background", "plain"), "rank peaks against the local background, or as the papers, by height"
+    )
 
 
 @dataclass(frozen=True)

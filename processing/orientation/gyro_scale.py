@@ -4,10 +4,12 @@ In the frame that the gyro alone carries along, gravity should stand still. A sc
 spin axis by ``−s`` times the angle turned: hundreds of revolutions make a tenth of a per cent plain, and spin times
 scale error times the tilt of the axis would be a false yaw rate of hundreds of degrees an hour.
 
-One-second bins average gravity, and with it noise and the lever arm's centripetal part; the creep is summed over pieces
-of at most half a minute in which the ball turns steadily. Three scales and three left-over offsets are fitted to the
-pieces by least squares with priors (1 %, and the rest calibration's sigma); a spin axis that stays fixed in the ball
-shows one combination of the scales only, and the prior settles the others.
+One-second bins average gravity ``g``; its small turns ``φ`` from bin to bin are summed over pieces of some minutes and
+compared with what scales ``s`` (3) and left-over offsets ``o`` (3) would make of them, ``φ = −P(J s + K o)``, where
+``J = ∫ R diag(ω) dt``, ``K = ∫ R dt`` and ``P`` takes off the part along ``g``, which nobody sees. Summed, the noise of
+``g`` does not grow while the creep does. Least squares with priors; a second pass with the first one's result works
+where the creep is small and the sums are exact. A spin axis that stays fixed in the ball shows one combination of the
+scales only, and the prior, by which the three scales are mostly alike, settles the others.
 """
 
 from dataclasses import dataclass, replace
@@ -20,125 +22,138 @@ from processing.orientation import quaternions as qt
 from processing.orientation.calibration import Calibration
 from processing.orientation.samples import Block, TrustedSamples
 from processing.progress import Progress
-from processing.survey import BoolArray, FloatArray
+from processing.survey import FloatArray
 
 _BIN_S = 1.0
-_PIECE_BINS = 30
-_LEAST_BINS = 6
-_LEAST_SPIN_RADPS = np.radians(60.0)
-_STEADY = 0.9  # |mean rate vector| over mean rate: the axis holds its direction within the bin
+_PIECE_BINS = 180
+_LEAST_BINS = 10
 _LEAST_TURNS = 20.0
-_SCALE_PRIOR = 0.01
-_PHASE_SIGMA_RAD = np.radians(2.0)  # of gravity averaged over one second, twice: the ball's own acceleration
+_SCALE_PRIOR = 0.007 * 0.007 * np.ones((3, 3)) + 0.004 * 0.004 * np.eye(3)  # 0.4 % median, 1 % largest: navigation §4.4
+_OFFSET_SIGMA_RADPS = np.radians(0.02)  # an offset wanders by that within a run, however long the rest
+_GRAVITY_SIGMA_RAD = np.radians(1.0)  # of specific force averaged over a second: the ball's own acceleration
+_CORRELATION_BINS = 10.0  # that acceleration lasts for seconds, so bins are no independent witnesses
 _USEFUL_SIGMA = 0.002
 _LARGEST = 0.05  # a larger "scale" is a saturated gyro or a wrong unit, not an error of scale
 
 
 @dataclass(frozen=True)
-class _Bins:
-    """Sums per second (m, …): specific force and turn in the gyro's own frame, the spin's shares of the axes."""
+class _Equations:
+    """Summed turns of gravity (r,) and what scales and offsets make of them (r, 6), each piece about its own mean."""
 
-    samples: FloatArray
-    gravity: FloatArray  # (m, 3)
-    turn: FloatArray  # (m, 3)
-    angle: FloatArray  # (m,)
-    scale_share: FloatArray  # (m, 3) turn_i²/|turn|: how much of the spin a scale error of axis i adds
-    offset_share: FloatArray  # (m, 3) dt·turn_i/|turn|: how much spin an offset of axis i adds
+    creep: FloatArray
+    design: FloatArray
+    spun: FloatArray  # (3,) ∫ ω_i²/|ω| dt: the spin's shares of the axes
 
 
 def calibrate_scale(samples: TrustedSamples, progress: Progress) -> Calibration:
     """Return the calibration with ``gyr_scale`` set, unchanged where the run does not tell it to ± 0.2 %."""
-    equations = [_pieces(_bin(samples, segment, progress)) for segment in samples.segments]
-    creep = np.concatenate([e[0] for e in equations])
-    shares = np.concatenate([e[1] for e in equations])
-    spun = shares[:, :3].sum(axis=0)
-    if spun.sum() < _LEAST_TURNS * 2.0 * np.pi:
-        return samples.calibration
-    middle = samples.times(samples.count // 2, samples.count // 2 + 1)
-    offset_sigma = np.maximum(samples.calibration.sigma_at(middle)[0], np.radians(0.01))
-    solution, covariance = _fit(creep, shares, np.concatenate([np.full(3, _SCALE_PRIOR), offset_sigma]))
-    along = spun / spun.sum()  # the combination of scales that the spin shows
+    calibration = samples.calibration
+    scale, offset = np.ones(3), np.zeros(3)
+    prior = _prior(samples)
+    covariance = prior
+    for step in range(2):
+        trial = replace(calibration, gyr_scale=scale, bias_radps=calibration.bias_radps + offset)
+        found = _equations(replace(samples, calibration=trial), progress.part(0.5 * step, 0.5 * step + 0.5))
+        if found.spun.sum() < _LEAST_TURNS * 2.0 * np.pi:
+            return calibration
+        known = np.concatenate([scale - 1.0, -offset])
+        solution, covariance = _fit(found, known, prior)
+        scale, offset = 1.0 + solution[:3], -solution[3:]
+    along = found.spun / found.spun.sum()  # the combination of scales that the spin shows
     sigma = float(np.sqrt(along @ covariance[:3, :3] @ along))
-    scale = solution[:3]
-    if sigma > _USEFUL_SIGMA or np.max(np.abs(scale)) > _LARGEST or abs(float(along @ scale)) < 3.0 * sigma:
-        return samples.calibration
-    return replace(samples.calibration, gyr_scale=1.0 + scale, gyr_scale_sigma=np.sqrt(np.diag(covariance)[:3]))
+    off = float(along @ (scale - 1.0))
+    if sigma > _USEFUL_SIGMA or np.max(np.abs(scale - 1.0)) > _LARGEST or abs(off) < 3.0 * sigma:
+        return calibration
+    return replace(calibration, gyr_scale=scale, gyr_scale_sigma=np.sqrt(np.diag(covariance)[:3]))
 
 
-def _bin(samples: TrustedSamples, segment: tuple[int, int], progress: Progress) -> _Bins:
+def _prior(samples: TrustedSamples) -> FloatArray:
+    """Return the covariance (6, 6) of scales and offsets before the run is looked at."""
+    middle = samples.times(samples.count // 2, samples.count // 2 + 1)
+    offset = np.hypot(samples.calibration.sigma_at(middle)[0], _OFFSET_SIGMA_RADPS)
+    prior = np.diag(np.concatenate([np.zeros(3), offset**2]))
+    prior[:3, :3] = _SCALE_PRIOR
+    return prior
+
+
+def _equations(samples: TrustedSamples, progress: Progress) -> _Equations:
+    creep, design, spun = [np.zeros(0)], [np.zeros((0, 6))], np.zeros(3)
+    for segment in samples.segments:
+        bins = _bin(samples, segment, progress)
+        spun += bins[:, 22:25].sum(axis=0)
+        full = bins[:, 0] >= 0.9 * np.median(bins[:, 0])
+        upright = np.linalg.norm(bins[:, 1:4], axis=1) >= 0.5 * bins[:, 0]
+        edges = np.flatnonzero(np.diff((full & upright).astype(np.int8), prepend=0, append=0))
+        for a, b in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            for low, high in pairwise(np.linspace(a, b, -(-(b - a) // _PIECE_BINS) + 1).astype(int).tolist()):
+                if high - low >= _LEAST_BINS:
+                    piece_creep, piece_design = _piece(bins[low:high])
+                    creep.append(piece_creep)
+                    design.append(piece_design)
+    return _Equations(np.concatenate(creep), np.vstack(design), spun)
+
+
+def _piece(bins: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return a piece's summed turns of gravity (3m,) and the design (3m, 6), without their means."""
+    g = bins[:, 1:4] / np.linalg.norm(bins[:, 1:4], axis=1, keepdims=True)
+    cross = np.cross(g[:-1], g[1:])
+    sine = np.linalg.norm(cross, axis=1, keepdims=True)
+    angle = np.arctan2(sine, np.sum(g[:-1] * g[1:], axis=1)[:, None])
+    turn = cross * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 1.0)
+    jacobian = bins[:, 4:22].reshape(-1, 3, 6)
+    jacobian = 0.5 * (jacobian[:-1] + jacobian[1:])  # a bin's gravity stands for its middle
+    middle = g[:-1] + g[1:]
+    middle /= np.linalg.norm(middle, axis=1, keepdims=True)
+    across = jacobian - middle[:, :, None] * np.einsum("ki,kij->kj", middle, jacobian)[:, None, :]
+    creep = np.vstack([np.zeros((1, 3)), np.cumsum(turn, axis=0)])
+    design = np.concatenate([np.zeros((1, 3, 6)), np.cumsum(across, axis=0)])
+    return (creep - creep.mean(axis=0)).ravel(), -(design - design.mean(axis=0)).reshape(-1, 6)
+
+
+def _bin(samples: TrustedSamples, segment: tuple[int, int], progress: Progress) -> FloatArray:
+    """Return per second (m, 25): rows, specific force (3), J and K side by side (3 × 6), the spin's shares (3)."""
     start = float(samples.times(segment[0], segment[0] + 1)[0])
     end = float(samples.times(segment[1] - 1, segment[1])[0])
-    sums = np.zeros((int((end - start) / _BIN_S) + 1, 14))
+    sums = np.zeros((int((end - start) / _BIN_S) + 1, 25))
     q = np.array(qt.IDENTITY)
     for block in samples.blocks(segment):
         index = ((block.time_s - start) / _BIN_S).astype(np.intp)
         edges = np.flatnonzero(np.diff(index, prepend=-1))
         sums[index[edges]] += np.add.reduceat(_row_terms(block, q), edges)
         progress.update(block.stop / samples.count, "orientation_calibration")
-    return _Bins(sums[:, 0], sums[:, 1:4], sums[:, 4:7], sums[:, 7], sums[:, 8:11], sums[:, 11:14])
+    return sums
 
 
 def _row_terms(block: Block, q: FloatArray) -> FloatArray:
-    """Return what each row adds to its bin (m, 14); ``q`` (4,) is moved on to the block's last row."""
+    """Return what each row adds to its bin (m, 25); ``q`` (4,) is moved on to the block's last row."""
     quat = np.empty((len(block.turn), 4))
     kernels.integrate(block.turn, q, quat)
-    angle = np.linalg.norm(block.turn, axis=1)
-    share = block.turn / np.where(angle > 0.0, angle, 1.0)[:, None]
-    return np.hstack(
-        [
-            np.ones((len(quat), 1)),
-            qt.rotate(quat, block.acc_g),
-            qt.rotate(quat, block.turn),
-            angle[:, None],
-            share * block.turn,
-            share * block.dt_s[:, None],
-        ]
-    )
+    terms = np.empty((len(quat), 25))
+    terms[:, 0] = 1.0
+    terms[:, 1:4] = qt.rotate(quat, block.acc_g)
+    matrix = qt.to_matrix(quat)
+    jacobian = terms[:, 4:22].reshape(-1, 3, 6)
+    jacobian[:, :, :3] = matrix * block.turn[:, None, :]
+    jacobian[:, :, 3:] = matrix * block.dt_s[:, None, None]
+    angle = np.linalg.norm(block.turn, axis=1, keepdims=True)
+    terms[:, 4:22] = jacobian.reshape(-1, 18)
+    terms[:, 22:25] = block.turn**2 / np.where(angle > 0.0, angle, 1.0)
+    return terms
 
 
-def _pieces(bins: _Bins) -> tuple[FloatArray, FloatArray]:
-    """Return each piece's creep of gravity about the spin axis (p,) and the shares (p, 6) that explain it."""
-    good = _spins_steadily(bins)
-    axis = bins.turn / np.where(bins.angle > 0.0, bins.angle, 1.0)[:, None]
-    axis = axis[:-1] + axis[1:]
-    axis /= np.maximum(np.linalg.norm(axis, axis=1, keepdims=True), 1e-12)
-    before, after = bins.gravity[:-1], bins.gravity[1:]
-    along_before, along_after = (np.sum(axis * g, axis=1)[:, None] * axis for g in (before, after))
-    before, after = before - along_before, after - along_after
-    step = np.arctan2(np.sum(axis * np.cross(before, after), axis=1), np.sum(before * after, axis=1))
-    share = np.hstack([bins.scale_share, bins.offset_share])
-    share = 0.5 * (share[:-1] + share[1:])  # a bin's gravity stands for its middle
-    steps = good[:-1] & good[1:]
-    edges = np.flatnonzero(np.diff(steps.astype(np.int8), prepend=0, append=0))
-    creep, shares = [], []
-    for a, b in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        cuts = np.linspace(a, b, -(-(b - a) // _PIECE_BINS) + 1).astype(int).tolist()
-        for low, high in pairwise(cuts):
-            if high - low >= _LEAST_BINS:
-                creep.append(step[low:high].sum())
-                shares.append(share[low:high].sum(axis=0))
-    return np.array(creep), np.array(shares).reshape(-1, 6)
+def _fit(found: _Equations, known: FloatArray, prior: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return scales and offsets (6,), counted from those of the calibration, and their covariance.
 
-
-def _spins_steadily(bins: _Bins) -> BoolArray:
-    full = bins.samples >= 0.9 * np.median(bins.samples)
-    spinning = bins.angle >= _LEAST_SPIN_RADPS * _BIN_S * 0.9
-    steady = np.linalg.norm(bins.turn, axis=1) >= _STEADY * bins.angle
-    upright = np.linalg.norm(bins.gravity, axis=1) >= 0.5 * bins.samples
-    across = np.abs(np.sum(bins.turn * bins.gravity, axis=1)) <= 0.5 * bins.angle * bins.samples
-    return np.asarray(full & spinning & steady & upright & across, dtype=np.bool_)
-
-
-def _fit(creep: FloatArray, shares: FloatArray, prior: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return scales and offsets (6,) and their covariance: ``creep = −shares · x``, Huber-weighted, prior sigmas."""
-    x = np.zeros(6)
-    weight = np.ones(len(creep))
-    covariance = np.diag(prior**2)
-    for _ in range(10):
-        design = -shares * (weight / _PHASE_SIGMA_RAD)[:, None]
-        covariance = np.linalg.inv(design.T @ design + np.diag(1.0 / prior**2))
-        x = covariance @ (design.T @ (creep * weight / _PHASE_SIGMA_RAD))
-        residual = np.abs(creep + shares @ x) / _PHASE_SIGMA_RAD
-        weight = np.sqrt(np.minimum(1.0, 1.5 / np.maximum(residual, 1.5)))
-    spread = max(1.0, float(np.median(residual)) / 0.6745)  # pieces that scatter more than assumed say so
-    return x, np.asarray(covariance * spread**2, dtype=np.float64)
+    ``known`` (6,) is what the turns are already corrected by. Huber-weighted; the sigma follows the residuals.
+    """
+    target = found.creep + found.design @ known
+    weight, sigma = np.ones(len(target)), _GRAVITY_SIGMA_RAD * np.sqrt(_CORRELATION_BINS)
+    for _ in range(8):
+        design = found.design * (weight / sigma)[:, None]
+        covariance = np.linalg.inv(design.T @ design + np.linalg.inv(prior))
+        x = covariance @ (design.T @ (target * weight / sigma))
+        residual = np.abs(target - found.design @ x)
+        spread = max(_GRAVITY_SIGMA_RAD, float(np.median(residual)) / 0.6745)
+        sigma = spread * np.sqrt(_CORRELATION_BINS)
+        weight = np.sqrt(np.minimum(1.0, 1.5 * spread / np.maximum(residual, 1e-12)))
+    return x, np.asarray(covariance, dtype=np.float64)

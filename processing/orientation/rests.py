@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from processing.settings import OrientationSettings
 from processing.survey import BoolArray, FloatArray, ImuSamples
@@ -15,6 +16,10 @@ from processing.survey import BoolArray, FloatArray, ImuSamples
 _BIN_S = 0.25
 _BINS_A_WINDOW = 4
 _BLOCK_ROWS = 1 << 18
+_AS_QUIET = 3.0
+_RESOLUTION = np.array([0.005, np.radians(0.02)])  # m/s², rad/s: finer differences of quiet are no matter
+
+IndexArray = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -58,14 +63,36 @@ def find_rests(imu: ImuSamples, settings: OrientationSettings) -> tuple[Rest, ..
     median of all by more than ``rest_agree_dps`` was a slow steady turn and is left out.
     """
     sums = _bin_sums(imu)
-    runs = list(_runs(_quiet_bins(sums, imu.sample_rate_hz, settings)))
     least = int(np.ceil(settings.rest_min_s / _BIN_S))
-    rests = [_rest(sums, *_trimmed(a, b, least)) for a, b in runs if b - a >= least]
-    if len(rests) < 2:
-        return tuple(rests)
+    found = [(a, b) for a, b in _runs(_quiet_bins(sums, imu.sample_rate_hz, settings)) if b - a >= least]
+    if not found:
+        return ()
+    deviation = _deviations(sums)
+    rests = [_rest(sums, part) for part in _quietest(found, deviation) if len(part) >= least // 2]
     middle = np.median([r.gyr_mean_radps for r in rests], axis=0)
     limit = np.radians(settings.rest_agree_dps)
     return tuple(r for r in rests if np.linalg.norm(r.gyr_mean_radps - middle) <= limit)
+
+
+def _deviations(sums: _Sums) -> FloatArray:
+    """Return each bin's own standard deviations (m, 2) of specific force and angular rate, over the axes."""
+    count = np.maximum(sums.count, 1.0)[:, None]
+    mean = sums.first / count
+    variance = np.maximum(sums.second / count - mean * mean, 0.0)
+    both = np.column_stack([variance[:, :3].sum(axis=1), variance[:, 3:].sum(axis=1)])
+    return np.asarray(np.sqrt(both), dtype=np.float64)
+
+
+def _quietest(runs: list[tuple[int, int]], deviation: FloatArray) -> Iterator[IndexArray]:
+    """Yield each rest's bins that are as quiet as the quietest rest of the run.
+
+    A window may pass that already holds the onset of motion, and a hand that holds the device is no rest where the
+    ground is known: both would spoil the offset.
+    """
+    floor = np.min([np.percentile(deviation[a:b], 25.0, axis=0) for a, b in runs], axis=0)
+    limit = _AS_QUIET * floor + _RESOLUTION
+    for a, b in runs:
+        yield a + np.flatnonzero(np.all(deviation[a:b] <= limit, axis=1))
 
 
 def _bin_sums(imu: ImuSamples) -> _Sums:
@@ -114,15 +141,9 @@ def _runs(flags: BoolArray) -> Iterator[tuple[int, int]]:
     yield from zip(edges[::2].tolist(), edges[1::2].tolist())
 
 
-def _trimmed(a: int, b: int, least: int) -> tuple[int, int]:
-    """Leave out up to half a second at either end: a window may pass that already holds the onset of motion."""
-    cut = min(2, (b - a - least) // 2)
-    return a + cut, b - cut
-
-
-def _rest(sums: _Sums, a: int, b: int) -> Rest:
-    count = float(sums.count[a:b].sum())
-    mean = sums.first[a:b].sum(axis=0) / count
-    std = np.sqrt(np.maximum(sums.second[a:b].sum(axis=0) / count - mean * mean, 0.0))
-    start = sums.start_s + a * _BIN_S
-    return Rest(start, start + (b - a) * _BIN_S, int(count), mean[3:], std[3:], mean[:3], std[:3])
+def _rest(sums: _Sums, bins: IndexArray) -> Rest:
+    count = float(sums.count[bins].sum())
+    mean = sums.first[bins].sum(axis=0) / count
+    std = np.sqrt(np.maximum(sums.second[bins].sum(axis=0) / count - mean * mean, 0.0))
+    start, end = sums.start_s + _BIN_S * bins[0], sums.start_s + _BIN_S * (bins[-1] + 1)
+    return Rest(float(start), float(end), int(count), mean[3:], std[3:], mean[:3], std[:3])

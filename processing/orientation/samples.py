@@ -1,9 +1,9 @@
 """The trusted rows of a run as the estimators want them: turns between samples, weighted readings, block by block.
 
-Rows that are not valid are left out. Between neighbouring trusted rows the rate is taken as linear, which gives the
-rotation vector to second order, coning included: ``(ω₀+ω₁)Δt/2 + (ω₀×ω₁)Δt²/12``; recorders whose rate is the mean
-since the row before have ``ω₁Δt`` (setting ``rate_stands_for``). Across a hole longer than
-``bridge_s`` nothing is known and the attitude is held; a hole longer than ``restart_s`` begins a new *segment*.
+Rows that are not valid are left out. A rate stands for the mean since the row before (setting ``rate_stands_for``), so
+that its product with the time between is the turn; recorders that sample the rate of the moment have it taken as linear
+between rows, to second order: ``(ω₀+ω₁)Δt/2 + (ω₀×ω₁)Δt²/12``, coning included. Across a hole longer than ``bridge_s``
+nothing is known and the attitude is held; a hole longer than ``restart_s`` begins a new *segment*.
 """
 
 from collections.abc import Iterator

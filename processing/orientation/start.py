@@ -28,8 +28,10 @@ def first_attitude(block: Block, duration_s: float, yaw_rad: float, previous_ws:
     up = qt.rotate(relative, block.acc_g[:stop]).mean(axis=0)
     # free fall or a dead channel: any tilt is as good
     q = qt.from_two_vectors(up, _UP) if np.linalg.norm(up) > 0.1 else np.array(qt.IDENTITY)
-    clean = np.flatnonzero(block.mag_weight[:stop] > 0.0)
-    if len(clean) > stop // 2:
+    if len(block.mag):
+        clean = np.flatnonzero(block.mag_weight[:stop] > 0.0)
+        if not len(clean):
+            clean = np.arange(stop)  # a disturbed field is a better heading than none
         east, north, _ = qt.rotate(qt.multiply(q, relative[clean]), block.mag[clean]).mean(axis=0)
         return qt.multiply(qt.turn_about_up(float(np.arctan2(east, north))), q)
     if previous_ws is not None:
