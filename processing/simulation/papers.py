@@ -142,8 +142,9 @@ def p1_loop(number: int) -> Scenario:
     return Scenario(
         name=f"p1-{number:02d}",
         route=PipeRoute(points, bend_radius_m=0.35, length_m=length, closed=True),
-        drive=Drive(speed_mps=0.5, variation=0.12, variation_period_s=5.0, ramp_s=2.0, rest_start_s=8.0,
-                    rest_end_s=5.0),
+        # loops 7 and 12 are the same figure: other speeds make them other runs
+        drive=Drive(speed_mps=0.44 + 0.01 * number, variation=0.12, variation_period_s=5.0, ramp_s=2.0,
+                    rest_start_s=8.0, rest_end_s=5.0),
         ball=Ball(radius_m=0.10, lever_arm_s_m=(0.01, 0.005, -0.008), slip=0.0, slip_sigma=0.01, slip_tau_s=8.0,
                   spin_sigma_radps=0.15, bank=False),
         imu=_P1_IMU,

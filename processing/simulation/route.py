@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from processing.simulation.scenario import PipeRoute
 from processing.survey import FloatArray
 
 _TABLE = 1025  # points of the position table of a bend: cubic Hermite between them is exact to 1e-12 of its length
@@ -132,10 +133,12 @@ class SmoothRoute:
 
 
 def _without_straight_corners(points_m: FloatArray) -> FloatArray:
+    if len(points_m) < 2:
+        raise ValueError("a route needs at least two points")
     legs = np.diff(points_m, axis=0)
     lengths = np.linalg.norm(legs, axis=1)
-    if len(points_m) < 2 or np.any(lengths < 1e-6):
-        raise ValueError("a route needs at least two points, and no two neighbours alike")
+    if np.any(lengths < 1e-6):
+        raise ValueError("a route may not have two neighbouring points at the same place")
     ways = legs / lengths[:, None]
     bent = np.linalg.norm(np.cross(ways[:-1], ways[1:]), axis=1) > 1e-7
     bent |= np.sum(ways[:-1] * ways[1:], axis=1) < 0
@@ -164,6 +167,14 @@ def _pieces(corners: FloatArray, bend_radius_m: float) -> list[_Line | _Bend]:
         at = bend.end_w_m
     pieces.append(_Line(at, ways[-1], float(np.linalg.norm(corners[-1] - at))))
     return pieces
+
+
+def centre_line(pipe: PipeRoute) -> SmoothRoute:
+    """Return the pipe's centre line; raises ValueError for a route that cannot be."""
+    points = np.asarray(pipe.points_m, dtype=np.float64)
+    if pipe.closed:
+        points = np.vstack([points, points[:1]])
+    return route_of_length(points, pipe.bend_radius_m, pipe.length_m)
 
 
 def route_of_length(points_m: FloatArray, bend_radius_m: float, length_m: float | None) -> SmoothRoute:

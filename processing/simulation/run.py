@@ -13,7 +13,7 @@ from processing.simulation.imu_errors import measured
 from processing.simulation.motion import TrueMotion
 from processing.simulation.paperwork import survey_of
 from processing.simulation.rolling import roll, rolling_of
-from processing.simulation.route import SmoothRoute, route_of_length
+from processing.simulation.route import SmoothRoute, centre_line
 from processing.simulation.scenario import Scenario
 from processing.simulation.sound import SoundPlan, frequencies, sound_length
 from processing.simulation.sources import background_shape, peak_power, sources_of
@@ -65,7 +65,7 @@ def simulate(scenario: Scenario, seed: int = 0, progress: Progress | None = None
     progress.update(0.0, "simulate_motion")
     streams = [np.random.default_rng([seed, 100 + k]) for k in range(7)]
     of_drive, of_motion, of_blows, of_imu, of_felt, of_sound, of_papers = streams
-    route = simulated_route(scenario)
+    route = centre_line(scenario.route)
     plan = DrivePlan(scenario.drive, route.length_m, of_drive)
     motion = _move(scenario, route, plan, of_motion, progress.part(0.0, 0.8))
     all_blows = blows(scenario, motion, of_blows)
@@ -78,14 +78,6 @@ def simulate(scenario: Scenario, seed: int = 0, progress: Progress | None = None
     return SimulatedRun(
         scenario, seed, route, motion, imu, all_blows, _places(scenario, motion, route), sound, clock, survey
     )
-
-
-def simulated_route(scenario: Scenario) -> SmoothRoute:
-    """Return the pipe's centre line of a scenario."""
-    points = np.asarray(scenario.route.points_m, dtype=np.float64)
-    if scenario.route.closed:
-        points = np.vstack([points, points[:1]])
-    return route_of_length(points, scenario.route.bend_radius_m, scenario.route.length_m)
 
 
 def _move(

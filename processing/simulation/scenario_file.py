@@ -12,6 +12,7 @@ from typing import Any
 
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.simulation.scenario import Scenario
+from processing.simulation.scenario_check import check
 
 _LARGEST_BYTES = 2_000_000
 
@@ -42,7 +43,7 @@ def from_mapping(data: object) -> Scenario:
     """Return the scenario of nested plain values; raises TypeError or ValueError that names the key."""
     scenario = _built(Scenario, data, "")
     assert isinstance(scenario, Scenario)
-    _check(scenario)
+    check(scenario)
     return scenario
 
 
@@ -118,33 +119,7 @@ def _scalar(hint: type, value: object, where: str) -> object:
     if hint is float and isinstance(value, (int, float)) and not isinstance(value, bool):
         if not math.isfinite(value) or abs(value) > 1e12:
             raise ValueError(f"'{where}' is not a usable number")
-        return float(value)
+        return float(value) + 0.0  # no negative zero: a spread may not be one
     if type(value) is not hint:
         raise TypeError(f"'{where}' must be a {'number' if hint is float else hint.__name__}")
     return value
-
-
-def _check(scenario: Scenario) -> None:
-    """Refuse what cannot be simulated, or would fill the machine's memory."""
-    sound = scenario.sound
-    ranges = {
-        "drive.speed_mps": (scenario.drive.speed_mps, 0.01, 20.0),
-        "drive.ramp_s": (scenario.drive.ramp_s, 0.1, 600.0),
-        "drive.rest_start_s": (scenario.drive.rest_start_s, 0.0, 3600.0),
-        "drive.rest_end_s": (scenario.drive.rest_end_s, 0.0, 3600.0),
-        "drive.variation_period_s": (scenario.drive.variation_period_s, 1.0, 3600.0),
-        "ball.radius_m": (scenario.ball.radius_m, 0.005, 2.0),
-        "ball.slip_tau_s": (scenario.ball.slip_tau_s, 0.1, 1e5),
-        "ball.spin_tau_s": (scenario.ball.spin_tau_s, 0.1, 1e5),
-        "imu.rate_hz": (scenario.imu.rate_hz, 10.0, 2000.0),
-        "sound.rate_hz": (sound.rate_hz, 4000, 192000),
-        "route.bend_radius_m": (scenario.route.bend_radius_m, 0.01, 1e4),
-        "route.length_m": (scenario.route.length_m or 1.0, 0.5, 1e5),
-    }
-    for name, (value, low, high) in ranges.items():
-        if not low <= value <= high:
-            raise ValueError(f"'{name}' = {value:g} is outside {low:g} … {high:g}")
-    if scenario.imu.gyro_sampling not in ("increment", "instant"):
-        raise ValueError("'imu.gyro_sampling' must be one of increment, instant")
-    if Path(sound.file).name != sound.file or Path(sound.file).suffix.lower() not in {".wav", ".flac", ".w64"}:
-        raise ValueError("'sound.file' must be a plain name that ends in .wav, .flac or .w64")

@@ -67,6 +67,7 @@ def sound_blocks(plan: SoundPlan) -> Iterator[Samples]:
     window = np.sin(np.pi * (np.arange(length) + 0.5) / length).astype(np.float32)
     tail = np.zeros(hop, dtype=np.float32)
     ringing = _Ringing(plan)
+    combs = [_comb(p, plan.rate_hz, np.random.default_rng([plan.seed, 2, i])) for i, p in enumerate(plan.pumps)]
     done = -hop  # the first half frame only fills the overlap
     while done < plan.frames:
         noise = _noise_frames(plan, shapes, rng, done, hop, window)
@@ -77,7 +78,7 @@ def sound_blocks(plan: SoundPlan) -> Iterator[Samples]:
         tail = halves[-1, 1]
         first = max(done, 0)
         block = block[first - done : plan.frames - done]
-        _add_pumps(block, plan, first)
+        _add_pumps(block, plan, combs, first)
         ringing.add_to(block, first)
         done += _FRAMES_A_BLOCK * hop
         yield np.clip(block, -1.0, 1.0, out=block)
@@ -102,11 +103,10 @@ def _noise_frames(
     return np.asarray(irfft(spectrum, n=length, axis=1).astype(np.float32, copy=False) * window)
 
 
-def _add_pumps(block: Samples, plan: SoundPlan, first: int) -> None:
-    """Add each pump's comb from a table of one period; it fades in and out over two seconds and swells slowly."""
+def _add_pumps(block: Samples, plan: SoundPlan, combs: list[Samples], first: int) -> None:
+    """Add each pump from its comb, a table of one period; it fades in and out over two seconds and swells slowly."""
     audio_s = (first + np.arange(len(block))) / plan.rate_hz
-    for index, pump in enumerate(plan.pumps):
-        table = _comb(pump, plan.rate_hz, np.random.default_rng([plan.seed, 2, index]))
+    for pump, table in zip(plan.pumps, combs):
         t = plan.clock.to_survey(audio_s[:: max(len(block) // 64, 1)])
         on = np.clip((t - pump.start_s) / 2, 0, 1) * np.clip((pump.end_s - t) / 2, 0, 1)
         if not np.any(on):

@@ -6,7 +6,7 @@ from processing.errors import Cancelled, ErrorCode, LeaklineError
 from processing.importing.survey_toml import read_survey_toml
 from processing.progress import Progress
 from processing.simulation.demo import demo_folder
-from processing.simulation.run import simulated_route
+from processing.simulation.route import centre_line
 from processing.simulation.scenarios import demo_scenario
 from processing.survey import LeakClass
 
@@ -35,7 +35,7 @@ def test_the_demo_shows_everything():
     assert {x.kind for x in scenario.sound.timed} == {LeakClass.TRAFFIC}
     assert scenario.sound.pumps
     assert scenario.drive.stops
-    route = simulated_route(scenario)
+    route = centre_line(scenario.route)
     assert 150 < route.length_m < 250
     assert len(route.bends_m) >= 3
 

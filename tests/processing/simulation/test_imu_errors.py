@@ -102,7 +102,7 @@ def test_pressure_rises_by_9_81_kilopascals_for_each_metre_down():
 
 
 def test_the_devices_own_quaternion_is_right_in_tilt_and_drifts_in_heading():
-    run = simulate(with_imu(device_quaternion=True, device_quaternion_drift_radps=0.02), 3)
+    run = simulate(with_imu(device_quaternion=True, device_quaternion_drift_radps=0.02), 2)
     up_s = qt.rotate_inverse(run.imu.quat_ws, np.array([0, 0, 1.0]))
     true_up_s = qt.rotate_inverse(run.motion.quat_ws, np.array([0, 0, 1.0]))
     tilt = np.degrees(np.arccos(np.clip(np.sum(up_s * true_up_s, axis=1), -1, 1)))

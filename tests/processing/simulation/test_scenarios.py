@@ -1,5 +1,7 @@
 """Scenarios: the published numbers, the table of names, files and what is wrong with them."""
 
+import copy
+import dataclasses
 import json
 
 import numpy as np
@@ -11,10 +13,12 @@ from hypothesis import strategies as st
 from processing.errors import ErrorCode, LeaklineError
 from processing.messages import error_sentence
 from processing.simulation.papers import P1_LOOPS
-from processing.simulation.run import simulated_route
+from processing.simulation.route import centre_line
+from processing.simulation.run import simulate
 from processing.simulation.scenario import Scenario
 from processing.simulation.scenario_file import from_mapping, read_scenario, to_mapping
 from processing.simulation.scenarios import SCENARIOS, load_scenario
+from processing.simulation.sound import sound_blocks
 from processing.simulation.surveys import random_scenario
 from processing.survey import LeakClass, Motion
 
@@ -27,7 +31,7 @@ def test_every_named_scenario_loads_survives_a_file_and_has_a_route(name, tmp_pa
     path = tmp_path / "scenario.toml"
     path.write_text(tomli_w.dumps(to_mapping(scenario)), encoding="utf-8")
     assert load_scenario(path) == scenario
-    length = simulated_route(scenario).length_m
+    length = centre_line(scenario.route).length_m
     assert all(0 < x.chainage_m < length for x in scenario.sound.local)
 
 
@@ -36,7 +40,7 @@ def test_every_named_scenario_loads_survives_a_file_and_has_a_route(name, tmp_pa
 )
 def test_p0s_scenarios_have_the_published_lengths_and_leaks(name, length, leak):
     scenario = load_scenario(name)
-    route = simulated_route(scenario)
+    route = centre_line(scenario.route)
     assert scenario.motion is Motion.CARRIED
     assert route.length_m == pytest.approx(length, abs=1e-6)
     assert [x.chainage_m for x in scenario.sound.local if x.kind is LeakClass.LEAK] == [leak]
@@ -49,7 +53,7 @@ def test_p0s_scenarios_have_the_published_lengths_and_leaks(name, length, leak):
 def test_p1s_loops_close_and_have_the_published_mean_length():
     lengths = []
     for number in P1_LOOPS:
-        route = simulated_route(load_scenario(f"p1-{number:02d}"))
+        route = centre_line(load_scenario(f"p1-{number:02d}").route)
         ends = route.points(np.array([0.0, route.length_m]))
         np.testing.assert_allclose(ends.position_w_m[1], ends.position_w_m[0], atol=1e-6)
         np.testing.assert_allclose(ends.tangent_w[1], ends.tangent_w[0], atol=1e-9)  # they end as they began
@@ -62,7 +66,7 @@ def test_random_scenarios_are_valid_different_and_repeatable():
     for seed, scenario in enumerate(made):
         assert scenario == load_scenario(f"random-{seed}")
         assert from_mapping(json.loads(json.dumps(to_mapping(scenario)))) == scenario
-        length = simulated_route(scenario).length_m
+        length = centre_line(scenario.route).length_m
         assert all(-1 < x.chainage_m < length + 5 for x in scenario.sound.local)
     assert len({s.drive.speed_mps for s in made}) == 25
     assert any(s.sound.local for s in made)
@@ -127,3 +131,56 @@ def test_any_values_give_a_scenario_or_a_sentence(data):
         sentence = made.name
         assert isinstance(made, Scenario)
     assert isinstance(sentence, str)
+
+
+TINY = {
+    "name": "tiny",
+    "route": {"points_m": [[0, 0, 0], [2, 0, 0], [3, 1.5, 0.1]], "bend_radius_m": 0.3},
+    "drive": {"ramp_s": 0.5, "rest_start_s": 1.0, "rest_end_s": 1.0, "stops": [{"chainage_m": 1.0, "duration_s": 0.5}]},
+    "imu": {"rate_hz": 20.0, "magnetics": {"enabled": True}},
+    "sound": {"rate_hz": 4000, "local": [{"kind": "leak", "chainage_m": 1.5, "flutter": 0.5}], "pumps": [{}]},
+    "markers": [{"name": "end", "by": "both"}],
+}
+
+
+def every_number(scenario):
+    """Paths of keys to all numbers of a scenario's full mapping."""
+    found = []
+
+    def walk(thing, path):
+        if dataclasses.is_dataclass(thing):
+            for f in dataclasses.fields(thing):
+                walk(getattr(thing, f.name), (*path, f.name))
+        elif isinstance(thing, tuple) and thing and dataclasses.is_dataclass(thing[0]):
+            walk(thing[0], (*path, 0))
+        elif type(thing) in (int, float):
+            found.append(path)
+
+    walk(scenario, ())
+    return found
+
+
+NUMBERS = every_number(from_mapping(TINY))
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    path=st.sampled_from(NUMBERS),
+    value=st.sampled_from([-1, 0, 1, 2, 7]) | st.floats(-1e3, 1e3) | st.floats(0, 1e-3) | st.floats(allow_nan=False),
+    motion=st.sampled_from(["rolling", "carried"]),
+)
+def test_whatever_passes_the_check_can_be_simulated(path, value, motion):
+    data = copy.deepcopy(TINY) | {"motion": motion}
+    table = data
+    for key in path[:-1]:
+        table = table[key] if isinstance(key, int) else table.setdefault(key, {})
+    table[path[-1]] = value
+    try:
+        scenario = from_mapping(data)
+    except (TypeError, ValueError):
+        return
+    if scenario.drive.speed_mps < 0.1 or scenario.drive.rest_start_s + scenario.drive.rest_end_s > 60:
+        return  # valid, but longer than a test may take
+    run = simulate(scenario, 1)
+    assert np.all(np.isfinite(run.imu.acc_s_mps2))
+    assert np.all(np.isfinite(next(iter(sound_blocks(run.sound)))))
