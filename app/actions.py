@@ -46,7 +46,7 @@ class ActionRow:
     handler: str
     tip: str
     needs: Needs = Needs.NOTHING
-    checkable: bool = False
+    short: str = ""  # for a tool button, where the text is too long for it
 
 
 PAGE_TITLES: dict[Page, str] = {
@@ -68,23 +68,23 @@ def _row(
     tip: object,
     needs: Needs = Needs.NOTHING,
     *,
-    checkable: bool = False,
+    short: object = "",
 ) -> ActionRow:
-    return ActionRow(row_id, str(text), tuple(keys.split()), page, handler, str(tip), needs, checkable)
+    return ActionRow(row_id, str(text), tuple(keys.split()), page, handler, str(tip), needs, str(short))
 
 
 N = QT_TRANSLATE_NOOP
 ACTIONS: tuple[ActionRow, ...] = (
     # file
     _row("open", N("Actions", "Open folder…"), "Ctrl+O", Page.FILE, "files.ask_open",
-         N("Actions", "Open a device folder or a saved survey")),
+         N("Actions", "Open a device folder or a saved survey"), short=N("Actions", "Open")),
     _row("demo", N("Actions", "Demonstration survey"), "Ctrl+D", Page.FILE, "files.open_demo",
          N("Actions", "Open the simulated survey that comes with Leakline")),
     _row("process", N("Actions", "Process again"), "Ctrl+R", Page.FILE, "files.reprocess",
          N("Actions", "Compute path and leaks again with the present form and tie points; decisions are carried over"),
          Needs.WRITABLE),
     _row("export", N("Actions", "Export report and files"), "Ctrl+E", Page.FILE, "report.export",
-         N("Actions", "Write the PDF, the CSV tables and the GIS file"), Needs.SURVEY),
+         N("Actions", "Write the PDF, the CSV tables and the GIS file"), Needs.SURVEY, short=N("Actions", "Export")),
     _row("close", N("Actions", "Close survey"), "Ctrl+W", Page.FILE, "files.close_survey",
          N("Actions", "Close this survey; everything is saved already"), Needs.SURVEY),
     _row("quit", N("Actions", "Quit"), "Ctrl+Q", Page.FILE, "close", N("Actions", "Close Leakline; nothing is lost")),
@@ -115,7 +115,8 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
          N("Actions", "Bring the cursor and all views to the selected candidate"), Needs.CANDIDATE),
     _row("mark", N("Actions", "Mark a leak here"), "M", Page.REVIEW, "review.mark_here",
-         N("Actions", "Add a candidate at the cursor that the machine missed"), Needs.RESULTS),
+         N("Actions", "Add a candidate at the cursor that the machine missed"), Needs.RESULTS,
+         short=N("Actions", "Mark")),
     # playback
     _row("play", N("Actions", "Play or pause"), "Space", Page.PLAY, "player.toggle",
          N("Actions", "Play the sound from the cursor, or pause"), Needs.RESULTS),
@@ -200,7 +201,8 @@ def build(owner: QObject, root: object, rows: Iterable[ActionRow] = ACTIONS) -> 
         action.setObjectName(row.id)
         action.setToolTip(translated(row.tip))
         action.setStatusTip(translated(row.tip))
-        action.setCheckable(row.checkable)
+        if row.short:
+            action.setIconText(translated(row.short))
         handler = resolve(root, row.handler)
         action.triggered.connect(lambda _checked=False, call=handler: call())
         actions[row.id] = action

@@ -98,6 +98,10 @@ def style_sheet(theme: Theme) -> str:
         QGroupBox {{ font-weight: bold; border: 1px solid {line}; border-radius: 6px; margin-top: 1.2em; }}
         QGroupBox::title {{ subcontrol-origin: margin; left: 10px; padding: 0 4px; }}
         QGroupBox QLabel, QGroupBox QComboBox, QGroupBox QLineEdit {{ font-weight: normal; }}
+        QTableView, QListView {{ selection-background-color: {mixed(theme.accent, theme.canvas, 0.25).name()};
+            selection-color: {theme.text}; }}
+        QHeaderView::section {{ padding: 3px 4px; border: 0px; border-right: 1px solid {line};
+            border-bottom: {width}px solid {line}; background: {theme.background}; font-weight: bold; }}
         QMenu::item {{ padding: 8px 28px 8px 20px; }}
         QMenu::item:selected {{ background: {theme.accent}; color: {theme.canvas}; }}
         QScrollBar:vertical {{ width: 18px; }}

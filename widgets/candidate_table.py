@@ -104,7 +104,7 @@ class CandidateModel(QAbstractTableModel):
                 self.tr("No."),
                 self.tr("Verdict"),
                 self.tr("At (m)"),
-                self.tr("± (m)"),
+                self.tr("± m"),
                 self.tr("Score"),
                 self.tr("Class"),
                 self.tr("dB"),
@@ -203,6 +203,7 @@ class CandidateTable(QWidget):
         table.verticalHeader().hide()
         table.verticalHeader().setDefaultSectionSize(ROW_HEIGHT)
         table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        table.horizontalHeader().setMinimumSectionSize(24)
         table.horizontalHeader().setStretchLastSection(True)
         table.selectionModel().currentRowChanged.connect(self._on_current)
         return table

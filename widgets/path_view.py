@@ -74,7 +74,7 @@ class PathView(QWidget):
         # the highlighted part costs a whole repaint: while others pan, it follows ten times a second
         self._follow_range = Throttle(lambda *_: self.invalidate(), 100, self)
         cursor.moved.connect(self._follow_cursor)
-        cursor.range_changed.connect(self._follow_range)
+        cursor.range_changed.connect(self._follow_range.__call__)  # a bound method goes with its object
 
     # --- what it is told ----------------------------------------------------------------------------------------
 

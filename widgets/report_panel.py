@@ -112,12 +112,12 @@ class ReportPanel(QWidget):
         open_ones = counts[Verdict.NONE] + counts[Verdict.UNSURE]
         parts = [f"<h2>{escape(preview.title)}</h2>"]
         if open_ones:
-            text = self.tr("{count} candidates are undecided or unsure: the report is a draft.").format(count=open_ones)
+            text = self.tr("This is a draft: candidates undecided or unsure: {count}").format(count=open_ones)
             parts.append(f"<p><b>{escape(text)}</b></p>")
         if preview.length_m is not None:
             parts.append(f"<p>{escape(self.tr('Length of the path'))}: {number(preview.length_m, 1)} m</p>")
         if preview.not_assessed_count:
-            text = self.tr("{count} stretches could not be assessed; the report lists them.")
+            text = self.tr("Stretches not assessed, listed in the report: {count}")
             parts.append(f"<p>{escape(text.format(count=preview.not_assessed_count))}</p>")
         parts.append(self._table(preview.rows))
         files = (

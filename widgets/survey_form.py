@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtWidgets import QComboBox, QFormLayout, QGroupBox, QLabel, QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QFormLayout, QGroupBox, QLabel, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
 from processing.survey import Motion, Survey
 from widgets.optional_number import OptionalNumber
@@ -125,6 +125,7 @@ class SurveyForm(QWidget):
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.DontWrapRows)
         for text, widget in rows:
             label = QLabel(text)
+            label.setMinimumHeight(widget.minimumHeight())
             label.setBuddy(widget)
             widget.setAccessibleName(text)
             form.addRow(label, widget)
@@ -148,6 +149,7 @@ class SurveyForm(QWidget):
         combo.setObjectName(name)
         combo.setMinimumHeight(40)
         combo.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        combo.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         combo.installEventFilter(self)
         combo.activated.connect(self._changed)
         return combo

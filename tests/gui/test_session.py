@@ -1,10 +1,10 @@
 """Commands and session: on disk before anything is shown, undone with the selection, refused without harm."""
 
 import pytest
-from app.review_commands import Decide, EditSurvey, Mark, WriteNote
-from app.survey_session import SurveySession
 from small_survey import candidate, make_folder, make_results, other_run
 
+from app.review_commands import Decide, EditSurvey, Mark, WriteNote
+from app.survey_session import SurveySession
 from processing.errors import ErrorCode, LeaklineError
 from processing.storage.folder import SurveyFolder
 from processing.storage.review import Reason, replay

@@ -1,0 +1,84 @@
+"""Starts the window: looks, language, log, crash guard; and makes the window again when the language changes."""
+
+import logging
+import sys
+from pathlib import Path
+
+from PySide6.QtCore import QObject, QTimer
+from PySide6.QtWidgets import QApplication
+
+from app import appearance, diagnostics
+from app.jobs import Jobs
+from app.main_window import MainWindow, Services
+from app.settings import PreferencesStore, log_folder
+from app.survey_session import SurveySession
+from widgets.message_boxes import Choice
+
+log = logging.getLogger(__name__)
+
+
+class Application(QObject):
+    """Holds what outlives a window, and the window."""
+
+    def __init__(self, qt: QApplication, preferences: PreferencesStore, log_file: Path | None) -> None:
+        super().__init__()
+        self._qt = qt
+        self._translation = appearance.Translation(qt)
+        self.services = Services(SurveySession(self), Jobs(self), preferences, log_file)
+        self.guard = diagnostics.CrashGuard(self)
+        self.guard.crashed.connect(self._tell_crash)
+        self._telling = False
+        appearance.apply_theme(qt, appearance.theme_named(preferences.values.theme))
+        self.window = self._make_window(preferences.values.language or appearance.system_language())
+
+    def _make_window(self, language: str) -> MainWindow:
+        self._translation.use(language)
+        window = MainWindow(self.services, language)
+        window.language_asked.connect(self._change_language)
+        return window
+
+    def _change_language(self, language: str) -> None:
+        self.services.preferences.change(language=language)
+        old = self.window
+        page = old.page
+        old.close()
+        self.window = self._make_window(language)
+        self.window.show()
+        if page != "start":
+            self.window.show_page(page)
+        old.deleteLater()
+
+    def _tell_crash(self, what: str) -> None:
+        if self._telling:  # one message is enough, however often a timer stumbles
+            return
+        self._telling = True
+        text = self.tr("Leakline has stumbled over a fault of its own. Every verdict and note is on disk. ({what})")
+        answer = self.window.boxes.ask(
+            text.format(what=what),
+            (Choice("save", self.tr("Save diagnostics…")), Choice("go_on", self.tr("Go on"))),
+        )
+        if answer == "save":
+            self.window.save_diagnostics()
+        self._telling = False
+
+    def shut_down(self) -> None:
+        """Stop all work and close the survey."""
+        self.services.jobs.stop_all()
+        self.services.session.close()
+        self.guard.remove()
+
+
+def run_window(path: Path | None, read_only: bool = False) -> int:
+    """Show the window, open ``path`` in it if there is one, and return the exit status when it is closed."""
+    QApplication.setApplicationName("Leakline")
+    QApplication.setDesktopFileName("leakline")
+    qt = QApplication.instance() or QApplication(sys.argv[:1])
+    assert isinstance(qt, QApplication)
+    application = Application(qt, PreferencesStore(), diagnostics.start_log(log_folder()))
+    application.guard.install()
+    application.window.show()
+    if path is not None:
+        QTimer.singleShot(0, application, lambda: application.window.files.open_path(path, read_only=read_only))
+    status = qt.exec()
+    application.shut_down()
+    return int(status)

@@ -1,0 +1,50 @@
+"""The story of a candidate in plain words, for the decision panel."""
+
+import math
+
+from PySide6.QtCore import QCoreApplication
+
+from processing import messages
+from widgets.candidate_table import CandidateRow
+from widgets.vocabulary import class_text, clock_text, number
+
+# what is said of a candidate, and from which value on it is worth a line
+WORTH_SAYING = {
+    "stood_s": 3.0,
+    "faded_db": 3.0,
+    "impulsive_share": 0.05,
+    "sigma_path_m": 0.0,
+    "sigma_sound_m": 0.0,
+    "sigma_clock_m": 0.05,
+}
+
+
+def evidence_text(row: CandidateRow, language: str) -> str:
+    """Return what speaks for this candidate, one sentence a line."""
+    candidate = row.candidate
+    lines = []
+    if row.manual:
+        lines.append(QCoreApplication.translate("Evidence", "Marked by hand."))
+    else:
+        text = QCoreApplication.translate("Evidence", "Leak with {percent} % probability; looks like: {kind}.")
+        lines.append(text.format(percent=number(100.0 * candidate.score, 0), kind=class_text(candidate.leak_class)))
+        text = QCoreApplication.translate(
+            "Evidence", "{level} dB above its surroundings at {low}–{high} Hz, {width} m wide."
+        )
+        low, high = candidate.band_hz
+        lines.append(
+            text.format(
+                level=number(candidate.level_db, 1),
+                low=number(low, 0),
+                high=number(high, 0),
+                width=number(candidate.width_m, 1),
+            )
+        )
+    text = QCoreApplication.translate("Evidence", "95 % between {low} m and {high} m, passed at {time}.")
+    low_m, high_m = number(candidate.chainage_low95_m, 1), number(candidate.chainage_high95_m, 1)
+    lines.append(text.format(low=low_m, high=high_m, time=clock_text(candidate.time_s)))
+    for key, least in WORTH_SAYING.items():
+        value = candidate.evidence.get(key)
+        if isinstance(value, float | int) and math.isfinite(value) and value >= least:
+            lines.append(messages.text("evidence", key, language, value=value))
+    return "\n".join(lines)

@@ -1,0 +1,418 @@
+"""The main window: a step bar of pages (data, path, sound, leaks, report), menus from the action table, job strip."""
+
+import base64
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from PySide6.QtCore import QByteArray, QObject, QStandardPaths, Qt, QTimer, Signal
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtWidgets import (
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QMainWindow,
+    QPlainTextEdit,
+    QStackedWidget,
+    QTextEdit,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app import actions, appearance, diagnostics
+from app.actions import ACTIONS, PAGE_TITLES, Needs, Page
+from app.data_page import DataPage
+from app.devices.audio_output import Sink, open_sink, why_silent
+from app.files_control import FilesControl
+from app.jobs import Job, Jobs
+from app.methods import methods
+from app.player import Player
+from app.report_control import ReportControl
+from app.review_control import ReviewControl
+from app.review_page import ReviewPage
+from app.settings import PreferencesStore
+from app.survey_session import SurveySession
+from processing.errors import LeaklineError
+from widgets.help_window import HelpWindow, KeyRow, key_sheet
+from widgets.job_strip import JobStrip
+from widgets.message_boxes import MessageBoxes
+from widgets.report_panel import ReportPanel
+from widgets.start_page import StartPage
+from widgets.step_bar import StepBar
+
+REVIEW_PAGES = ("path", "sound", "leaks")
+TOOLS = ("open", "undo", "redo", "mark", "export")
+
+
+@dataclass(frozen=True)
+class Services:
+    """What outlives a window: it can be closed and made again in another language around these."""
+
+    session: SurveySession
+    jobs: Jobs
+    preferences: PreferencesStore
+    log_file: Path | None = None
+    make_sink: Callable[[float], Sink] = open_sink
+    why_silent: Callable[[], str | None] = why_silent
+
+
+class MainWindow(QMainWindow):
+    """Composes; its methods without arguments are the handlers of the window's actions."""
+
+    language_asked = Signal(str)
+
+    def __init__(self, services: Services, language: str) -> None:
+        super().__init__()
+        self._services, self._language = services, language
+        self._session, self._preferences = services.session, services.preferences
+        self._theme = appearance.theme_named(services.preferences.values.theme)
+        self._help: HelpWindow | None = None
+        self._typing = False
+        self.setAcceptDrops(True)
+        self.boxes = MessageBoxes(self, language)
+        self._build_pages()
+        self.player = Player(self._session, self.review_page.playback, self._preferences, services.make_sink, self)
+        self.review = ReviewControl(self._session, self.review_page, self.player, language, self)
+        self.files = FilesControl(
+            self._session, services.jobs, self._preferences, self.data_page, lambda: self.boxes, self
+        )
+        self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
+        self.actions_by_id = actions.build(self, self)
+        self._build_menus()
+        self._lay_out()
+        self._connect()
+        self._restore()
+        self._on_opened()
+
+    # --- building ---
+
+    def _build_pages(self) -> None:
+        self.start_page = StartPage()
+        self.data_page = DataPage(self._language, methods())
+        self.review_page = ReviewPage(self._session.cursor, self._theme)
+        self.report_panel = ReportPanel(self._language)
+        self._stack = QStackedWidget()
+        for page in (self.start_page, self.data_page, self.review_page, self.report_panel):
+            self._stack.addWidget(page)
+        self.page = "start"
+
+    def _build_menus(self) -> None:
+        for page in Page:
+            menu = self.menuBar().addMenu(actions.translated(PAGE_TITLES[page]))
+            menu.setToolTipsVisible(True)
+            menu.addActions([self.actions_by_id[row.id] for row in ACTIONS if row.page is page])
+
+    def _lay_out(self) -> None:
+        self.step_bar = StepBar(
+            (
+                ("data", self.tr("Data")),
+                ("path", self.tr("Path")),
+                ("sound", self.tr("Sound")),
+                ("leaks", self.tr("Leaks")),
+                ("report", self.tr("Report")),
+            )
+        )
+        self.step_bar.add_tools([self.actions_by_id[name] for name in TOOLS])
+        self.step_bar.page_chosen.connect(self.show_page)
+        self._banner = QLabel()
+        self._banner.setObjectName("banner")
+        self._banner.setTextFormat(Qt.TextFormat.PlainText)
+        self._banner.setWordWrap(True)
+        self._strip = JobStrip(self._language)
+        right = QVBoxLayout()
+        right.setSpacing(0)
+        right.addWidget(self._banner)
+        right.addWidget(self._stack, 1)
+        right.addWidget(self._strip)
+        central = QWidget()
+        layout = QHBoxLayout(central)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.step_bar)
+        layout.addLayout(right, 1)
+        self.setCentralWidget(central)
+
+    def _connect(self) -> None:
+        services, session, jobs = self._services, self._session, self._services.jobs
+        session.opened.connect(self._on_opened)
+        session.results_changed.connect(self._on_results)
+        jobs.start(
+            lambda _progress: services.why_silent() or "",
+            title=self.tr("Looking for a sound card"),
+            on_success=self.player.set_unavailable,
+            quiet=True,
+        )
+        session.survey_changed.connect(self._show_title)
+        session.selection_changed.connect(self._show_enabled)
+        session.candidates_changed.connect(self._show_enabled)
+        session.refused.connect(self._on_failure)
+        session.undo_stack.indexChanged.connect(self._show_undo)
+        jobs.started.connect(self._on_job)
+        jobs.failed.connect(self._on_failure)
+        self.start_page.open_asked.connect(self.files.ask_open)
+        self.start_page.demo_asked.connect(self.files.open_demo)
+        self.start_page.recent_chosen.connect(lambda text: self.files.open_path(Path(text)))
+        self.files.page_asked.connect(self.show_page)
+        self.files.told.connect(self._tell)
+        self.report.told.connect(self._tell)
+        self.data_page.findings.moment_chosen.connect(self._show_moment)
+        self.review_page.layout_changed.connect(self._restore_splitters)
+        for splitter in self.review_page.splitters.values():
+            splitter.splitterMoved.connect(self._remember_splitters)
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        application.focusChanged.connect(self._on_focus)
+
+    # --- pages ---
+
+    def show_page(self, page: str) -> None:
+        """Show ``start``, ``data``, ``path``, ``sound``, ``leaks`` or ``report``."""
+        if page in REVIEW_PAGES and self._session.results is None:
+            page = "data"
+        self.page = page
+        if page in REVIEW_PAGES:
+            self.review_page.arrange(page)
+            self._stack.setCurrentWidget(self.review_page)
+            self.review_page.focus_views()
+        else:
+            self.review_page.decision.flush()
+            widget = {"start": self.start_page, "data": self.data_page, "report": self.report_panel}[page]
+            self._stack.setCurrentWidget(widget)
+        if page == "report":
+            self.report.refresh()
+        if page != "start":
+            self.step_bar.set_current(page)
+        self._show_enabled()
+
+    def show_data(self) -> None:
+        """Show the data page."""
+        self.show_page("data")
+
+    def show_path(self) -> None:
+        """Show the path page."""
+        self.show_page("path")
+
+    def show_sound(self) -> None:
+        """Show the sound page."""
+        self.show_page("sound")
+
+    def show_leaks(self) -> None:
+        """Show the leaks page."""
+        self.show_page("leaks")
+
+    def show_report(self) -> None:
+        """Show the report page."""
+        self.show_page("report")
+
+    def _show_moment(self, time_s: float) -> None:
+        if self._session.results is not None:
+            self._session.cursor.set_time(time_s)
+            self.show_page("sound")
+
+    # --- state ---
+
+    def _on_opened(self) -> None:
+        if self._session.folder is None and not self.files.previewing:
+            self.start_page.set_recent(self._preferences.values.recent)
+            self.show_page("start")
+        self._show_title()
+        self._show_enabled()
+
+    def _on_results(self) -> None:
+        self.report.refresh()
+        self._show_title()
+        self._show_enabled()
+
+    def _show_title(self) -> None:
+        session = self._session
+        name = session.survey.info.name or (session.folder.path.stem if session.folder is not None else "")
+        self.setWindowTitle(f"{name} – Leakline" if session.folder is not None else "Leakline")
+        hints = []
+        if session.folder is not None:
+            if session.survey.info.simulated:
+                hints.append(self.tr("Demonstration (simulated): nothing here is a real pipe"))
+            if session.folder.read_only:
+                hints.append(self.tr("Read-only: nothing can be changed"))
+            if session.results is not None and session.results.not_assessed:
+                text = self.tr("Not assessed (hatched): {count}")
+                hints.append(text.format(count=len(session.results.not_assessed)))
+            if session.orphans:
+                text = self.tr("Earlier verdicts without a candidate: {count}, see the data page")
+                hints.append(text.format(count=len(session.orphans)))
+        self._banner.setText("   ·   ".join(hints))
+        self._banner.setVisible(bool(hints))
+
+    def _show_enabled(self) -> None:
+        session = self._session
+        reviewing = session.results is not None and self.page in REVIEW_PAGES
+        met = {
+            Needs.NOTHING: True,
+            Needs.SURVEY: session.folder is not None,
+            Needs.RESULTS: reviewing,
+            Needs.CANDIDATE: reviewing and session.selected is not None,
+            Needs.WRITABLE: session.writable,
+        }
+        for row in ACTIONS:
+            self.actions_by_id[row.id].setEnabled(met[row.needs])
+        self.actions_by_id["mark"].setEnabled(reviewing and session.writable)
+        self.actions_by_id["export"].setEnabled(session.results is not None)
+        for page in (*REVIEW_PAGES, "report"):
+            self.step_bar.set_enabled(page, enabled=session.results is not None)
+        self.step_bar.set_enabled("data", enabled=session.folder is not None or self.files.previewing)
+        self._show_undo()
+
+    def _show_undo(self) -> None:
+        stack = self._session.undo_stack
+        for name, able, text in (
+            ("undo", stack.canUndo(), stack.undoText()),
+            ("redo", stack.canRedo(), stack.redoText()),
+        ):
+            action = self.actions_by_id[name]
+            action.setEnabled(able and self._session.folder is not None)
+            action.setStatusTip(text)
+            action.setToolTip(f"{action.text()}: {text}" if text else action.text())
+
+    def _on_focus(self, _old: QWidget | None, new: QWidget | None) -> None:
+        typing = isinstance(new, QLineEdit | QTextEdit | QPlainTextEdit | QAbstractSpinBox) or (
+            isinstance(new, QComboBox) and new.isEditable()
+        )
+        if typing != self._typing:
+            self._typing = typing
+            actions.arm_keys(self.actions_by_id, typing=typing)
+
+    # --- jobs, messages, help ---
+
+    def _on_job(self, job: Job) -> None:
+        if job.quiet:
+            return
+
+        def show() -> None:
+            line = self._strip.add_line(job.title)
+            job.reported.connect(line.report)
+            line.cancel_asked.connect(job.cancel)
+            job.finished.connect(lambda: self._strip.remove_line(line))
+
+        job.shown.connect(show)
+
+    def _on_failure(self, error: Exception) -> None:
+        if isinstance(error, LeaklineError):
+            self.boxes.error(error)
+            return
+        raise error  # the crash guard logs and tells it
+
+    def _tell(self, text: str) -> None:
+        self.statusBar().showMessage(text, 15_000)
+
+    def _key_rows(self) -> list[KeyRow]:
+        return [
+            KeyRow(
+                actions.translated(PAGE_TITLES[row.page]).replace("&", ""),
+                actions.shown_keys(row),
+                actions.translated(row.text),
+                actions.translated(row.tip),
+            )
+            for row in ACTIONS
+        ]
+
+    def show_help(self) -> None:
+        """Show the guide."""
+        window = HelpWindow(self.tr("Help"), "", self)
+        window.show_guide(key_sheet(self._key_rows()))
+        self._show_help_window(window)
+
+    def show_keys(self) -> None:
+        """Show all keys."""
+        self._show_help_window(HelpWindow(self.tr("Keys"), key_sheet(self._key_rows()), self))
+
+    def _show_help_window(self, window: HelpWindow) -> None:
+        if self._help is not None:
+            self._help.close()
+        window.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        window.destroyed.connect(self._forget_help)
+        self._help = window
+        window.show()
+
+    def _forget_help(self, gone: QObject) -> None:
+        if gone is self._help:
+            self._help = None
+
+    def save_diagnostics(self) -> None:
+        """Ask where, and write the zip."""
+        folder = QStandardPaths.writableLocation(QStandardPaths.StandardLocation.DocumentsLocation)
+        name, _ = QFileDialog.getSaveFileName(
+            self, self.tr("Save diagnostics"), f"{folder}/leakline-diagnostics.zip", "ZIP (*.zip)"
+        )
+        if not name:
+            return
+        try:
+            diagnostics.write_zip(Path(name), self._services.log_file)
+        except OSError as error:
+            self.boxes.tell(self.tr("The file could not be written: {reason}").format(reason=error.strerror))
+
+    # --- looks ---
+
+    def next_theme(self) -> None:
+        """Sun, light, dark."""
+        name = appearance.next_theme(self._theme.name)
+        self._preferences.change(theme=name)
+        self._theme = appearance.theme_named(name)
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        appearance.apply_theme(application, self._theme)
+        self.review_page.apply_theme(self._theme)
+
+    def toggle_language(self) -> None:
+        """Ask for the window again in the other language."""
+        if self._services.jobs.running:
+            self.boxes.tell(self.tr("Please wait until the work in progress has ended."))
+            return
+        self.language_asked.emit("tr" if self._language == "en" else "en")
+
+    def toggle_full_screen(self) -> None:
+        """Use the whole screen, or go back."""
+        self.setWindowState(self.windowState() ^ Qt.WindowState.WindowFullScreen)
+
+    def _restore(self) -> None:
+        geometry = self._preferences.values.geometry
+        if not geometry or not self.restoreGeometry(QByteArray(base64.b64decode(geometry))):
+            self.resize(1366, 700)
+        actions.arm_keys(self.actions_by_id, typing=False)
+
+    def _restore_splitters(self) -> None:
+        for name, splitter in self.review_page.splitters.items():
+            state = self._preferences.values.splitters.get(name)
+            if state:
+                splitter.restoreState(QByteArray(base64.b64decode(state)))
+
+    def _remember_splitters(self) -> None:
+        states = {
+            name: base64.b64encode(bytes(splitter.saveState().data())).decode()
+            for name, splitter in self.review_page.splitters.items()
+        }
+        self._preferences.values.splitters.update(states)  # written with the geometry, at closing
+
+    # --- Qt's events ---
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Qt: a folder may be dropped anywhere."""
+        if any(url.isLocalFile() for url in event.mimeData().urls()):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Qt: open what was dropped, once the drag has ended on the other side."""
+        paths = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
+        if paths:
+            event.acceptProposedAction()
+            QTimer.singleShot(0, self, lambda: self.files.open_path(paths[0]))
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Qt: put what is still being typed on disk; everything else is there already."""
+        self.review_page.decision.flush()
+        self.player.stop()
+        geometry = base64.b64encode(bytes(self.saveGeometry().data())).decode()
+        self._preferences.change(geometry=geometry, splitters=dict(self._preferences.values.splitters))
+        super().closeEvent(event)

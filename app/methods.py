@@ -1,0 +1,13 @@
+"""The choices of method of each processing step, for the form: names from the steps' own tables."""
+
+
+def methods() -> dict[str, tuple[str, ...]]:
+    """Return the names of each step's methods, ``auto`` first."""
+    from processing.orientation.registry import ESTIMATORS
+    from processing.position.registry import METHODS
+
+    return {
+        "orientation": ("auto", *(row.name for row in ESTIMATORS)),
+        "position": ("auto", *METHODS),
+        "detector": ("auto",),
+    }

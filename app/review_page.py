@@ -1,0 +1,215 @@
+"""The review page: plan, profile, spectrogram, level and motion around one cursor, with the list and the verdicts.
+
+Three arrangements of the same widgets: ``path`` (plan and profile large), ``sound`` (the strips large) and ``leaks``
+(everything that a verdict needs).
+"""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidget
+
+from app import view_data
+from processing.survey import TiePoint
+from widgets.candidate_table import CandidateRow, CandidateTable
+from widgets.decision_panel import DecisionPanel
+from widgets.imu_view import ImuView
+from widgets.level_view import LevelView
+from widgets.linked_plot import Readout
+from widgets.overview_strip import OverviewStrip
+from widgets.path_view import PathView
+from widgets.playback_bar import PlaybackBar
+from widgets.plot_theme import Theme
+from widgets.profile_view import ProfileView
+from widgets.spectrogram_view import SpectrogramView
+from widgets.time_cursor import TimeCursor
+from widgets.vocabulary import clock_text, number
+
+if TYPE_CHECKING:
+    from processing.results import Results
+
+READOUT_LEVEL = "dB"
+
+
+class ReviewPage(QWidget):
+    """Holds the views and panels; knows how to show, not what to do."""
+
+    candidate_clicked = Signal(int)
+    band_changed = Signal(float, float)
+    layout_changed = Signal()
+
+    def __init__(self, cursor: TimeCursor, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._cursor = cursor
+        self._results: Results | None = None
+        self._pointed: Readout | None = None
+        self.path = PathView(cursor, theme)
+        self.profile = ProfileView(cursor, theme)
+        self.overview = OverviewStrip(cursor, theme, show_x_axis=False)
+        self.spectrogram = SpectrogramView(cursor, theme, show_x_axis=False)
+        self.level = LevelView(cursor, theme)
+        self.imu = ImuView(cursor, theme)
+        self.table = CandidateTable(theme)
+        self.decision = DecisionPanel(theme)
+        self.playback = PlaybackBar()
+        self._readout = QLabel()
+        self._readout.setObjectName("readout")
+        self._readout.setTextFormat(Qt.TextFormat.PlainText)
+        self._readout.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self._readout.setMinimumWidth(10)
+        self.strips = (self.overview, self.spectrogram, self.level, self.imu, self.profile)
+        self.views = (self.path, *self.strips)
+        for view in self.views:
+            view.candidate_clicked.connect(self.candidate_clicked)
+            view.pointed.connect(self._on_pointed)
+        self.spectrogram.band_changed.connect(self.band_changed)
+        cursor.moved.connect(self._show_readout)
+        cursor.axis_changed.connect(self._show_readout)
+        self._lay_out()
+        self.arrange("leaks")
+
+    def _lay_out(self) -> None:
+        self._maps = _splitter(Qt.Orientation.Vertical, "maps", self.path, self.profile)
+        self._strips = _splitter(
+            Qt.Orientation.Vertical, "strips", self.overview, self.spectrogram, self.level, self.imu
+        )
+        side = QWidget()
+        layout = QVBoxLayout(side)
+        layout.setContentsMargins(4, 0, 0, 0)
+        layout.addWidget(self.table, 3)
+        layout.addWidget(self.decision, 2)
+        self._side = side
+        self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, self._strips, side)
+        foot = QHBoxLayout()
+        foot.addWidget(self.playback)
+        foot.addWidget(self._readout, 1)
+        whole = QVBoxLayout(self)
+        whole.setContentsMargins(6, 6, 6, 4)
+        whole.setSpacing(4)
+        whole.addWidget(self._columns, 1)
+        whole.addLayout(foot)
+
+    @property
+    def splitters(self) -> dict[str, QSplitter]:
+        """The splitters by name, for the memory of their places; the arrangement is part of the name."""
+        found = (self._maps, self._strips, self._columns)
+        return {f"{self.arrangement}.{s.objectName()}": s for s in found}
+
+    def arrange(self, arrangement: str) -> None:
+        """Show ``path``, ``sound`` or ``leaks``."""
+        self.arrangement = arrangement
+        path, leaks = arrangement == "path", arrangement == "leaks"
+        self._maps.setVisible(arrangement != "sound")
+        self._side.setVisible(not path)
+        self._strips.setVisible(True)
+        self.spectrogram.setVisible(not path)
+        self.imu.setVisible(not leaks)
+        self.level.set_x_axis_visible(leaks)
+        self.imu.set_x_axis_visible(True)
+        width, height = max(self.width(), 1000), max(self.height(), 500)
+        shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.7, 0.3), "leaks": (0.23, 0.47, 0.30)}[arrangement]
+        self._columns.setSizes([round(width * s) for s in shares])
+        strips = {"path": (0.15, 0.0, 0.3, 0.55), "sound": (0.1, 0.4, 0.2, 0.3), "leaks": (0.12, 0.53, 0.35, 0.0)}
+        self._strips.setSizes([round(height * s) for s in strips[arrangement]])
+        self._maps.setSizes([round(height * s) for s in ((0.7, 0.3) if path else (0.65, 0.35))])
+        self.layout_changed.emit()
+
+    def focus_views(self) -> None:
+        """Give the keyboard back to the views."""
+        (self.path if self.arrangement == "path" else self.spectrogram).setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def fit_path(self) -> None:
+        """Show the whole path in the plan."""
+        self.path.fit()
+
+    # --- content ---
+
+    def show_results(self, results: "Results | None") -> None:
+        """Show everything that a run derived; None shows empty views."""
+        self._results = results
+        track = results.track if results is not None else None
+        stretches = results.not_assessed if results is not None else ()
+        self.path.set_track(track)
+        self.profile.set_track(track)
+        self.imu.set_imu(results.recording.imu if results is not None else None, track)
+        self.spectrogram.set_source(view_data.tiles(results))
+        self.level.set_levels(view_data.level_curves(results))
+        self.overview.set_level(*view_data.overview(results))
+        for view in self.views:
+            view.set_not_assessed(stretches)
+        if results is not None:
+            sound = results.settings.sound
+            self.spectrogram.set_band(sound.band_low_hz, sound.band_high_hz)
+            self.path.set_route(view_data.route_points(results))
+            self.fit_path()
+        self._show_readout()
+
+    def show_tie_points(self, tie_points: Sequence[TiePoint]) -> None:
+        """Show the known places."""
+        results = self._results
+        to_local = partial(view_data.to_local, results) if results is not None else None
+        self.path.set_tie_points(tie_points, to_local)
+        self.profile.set_tie_points(tie_points)
+
+    def show_candidates(self, rows: Sequence[CandidateRow]) -> None:
+        """Mark the candidates in all views."""
+        candidates = [row.candidate for row in rows]
+        decisions = {row.candidate.id: row.decision for row in rows}
+        for view in self.views:
+            view.set_candidates(candidates, decisions)
+
+    def select_candidate(self, candidate_id: int | None) -> None:
+        """Ring one candidate in all views."""
+        for view in self.views:
+            view.set_selected(candidate_id)
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw everything in this theme."""
+        for view in self.views:
+            view.apply_theme(theme)
+        self.table.set_theme(theme)
+        self.decision.set_theme(theme)
+
+    # --- the read-out ---
+
+    def _on_pointed(self, readout: Readout | None) -> None:
+        self._pointed = readout
+        self._show_readout()
+
+    def _show_readout(self) -> None:
+        self._readout.setText(self.readout_text())
+
+    def readout_text(self) -> str:
+        """Return time, chainage ±, east, north, and under the mouse frequency and level."""
+        if self._results is None:
+            return ""
+        pointed = self._pointed
+        time_s = self._cursor.time_s
+        if pointed is not None and pointed.time_s is not None:
+            time_s = pointed.time_s
+        parts = [clock_text(time_s)]
+        chainage_m = self._cursor.chainage_at(time_s)
+        if chainage_m is not None:
+            parts.append(f"{number(chainage_m, 1)} ± {number(view_data.plus_minus_m(self._results, time_s), 1)} m")
+        place = self._cursor.position_at(time_s)
+        if place is not None:
+            parts.append(self.tr("E {east}  N {north} m").format(east=number(place[0], 1), north=number(place[1], 1)))
+        if pointed is not None and pointed.frequency_hz is not None:
+            parts.append(f"{number(pointed.frequency_hz, 0)} Hz")
+        if pointed is not None and pointed.level_db is not None:
+            parts.append(f"{number(pointed.level_db, 0)} {READOUT_LEVEL}")
+        elif pointed is not None and pointed.value is not None:
+            parts.append(f"{number(pointed.value, 1)} {pointed.unit}")
+        return "   ".join(parts)
+
+
+def _splitter(orientation: Qt.Orientation, name: str, *widgets: QWidget) -> QSplitter:
+    splitter = QSplitter(orientation)
+    splitter.setObjectName(name)
+    splitter.setHandleWidth(8)
+    splitter.setChildrenCollapsible(False)
+    for widget in widgets:
+        splitter.addWidget(widget)
+    return splitter
