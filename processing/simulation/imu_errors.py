@@ -54,7 +54,7 @@ def _spoilt(
     if noise > 0:
         out += rng.normal(0, noise * np.sqrt(imu.rate_hz), true_s.shape)
     np.clip(out, -limit, limit, out=out)
-    return np.round(out / step) * step if step > 0 else out
+    return np.round(out / step) * step if step > 1e-12 else out
 
 
 def earth_field_w_ut(magnetics: Magnetics) -> FloatArray:
