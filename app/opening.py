@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from processing.errors import LeaklineError
-from processing.importing.folder import FolderPreview, ImportOptions, preview_folder
+from processing.importing.folder import ImportOptions
 from processing.progress import Progress
 from processing.storage.creating import SUFFIX, create_folder, folder_name
 from processing.storage.folder import SurveyFolder
 
 if TYPE_CHECKING:
+    from processing.importing.folder import FolderPreview
     from processing.results import Results
     from processing.settings import Settings
     from processing.storage.cache import Cache
@@ -61,8 +62,10 @@ def results_of(source: Source, progress: Progress) -> "Results":
     return process(source.survey, recording, source.settings, source.cache, progress.part(0.3, 1.0))
 
 
-def preview_of(path: Path, options: ImportOptions, progress: Progress) -> FolderPreview:
+def preview_of(path: Path, options: ImportOptions, progress: Progress) -> "FolderPreview":
     """Look at a device's folder."""
+    from processing.importing.folder import preview_folder
+
     progress.update(0.0, "importing")
     return preview_folder(path, options)
 
