@@ -5,19 +5,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError
-from processing.importing import neutral
+from processing.importing import generic, neutral, phone, printed_log, xio, xsens
+from processing.importing.column_mapping import ColumnMapping
 from processing.importing.raw import RawImu, ReadContext
 from processing.importing.text_layout import TextLayout, find_layout, read_head
 
 
 @dataclass(frozen=True)
 class Format:
-    """A logger format: ``sniff`` says how sure (0..1) a file is of it, ``read`` gives its rows."""
+    """A logger format: ``sniff`` says how sure (0..1) a file is of it, ``read`` gives its rows, ``mapping_of``
+    what its columns hold, where one table is all there is."""
 
     name: str
     title: str
     sniff: Callable[[Path, TextLayout | None], float]
     read: Callable[[Path, ReadContext], RawImu]
+    mapping_of: Callable[[TextLayout], ColumnMapping] | None = None
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,14 @@ class Match:
     confidence: float
 
 
-FORMATS: tuple[Format, ...] = (Format("neutral", "Leakline's own imu.csv", neutral.sniff, neutral.read),)
+FORMATS: tuple[Format, ...] = (
+    Format("neutral", "Leakline imu.csv", neutral.sniff, neutral.read, neutral.mapping_of),
+    Format("printed", "Printed log of the P0/P3 recorder", printed_log.sniff, printed_log.read),
+    Format("xio", "xio x-IMU3, NGIMU, Gait-Tracking CSV", xio.sniff, xio.read, xio.mapping_of),
+    Format("xsens", "Xsens MT Manager text, DOT CSV", xsens.sniff, xsens.read, xsens.mapping_of),
+    Format("phone", "Phone: phyphox, Sensor Logger CSV", phone.sniff, phone.read),
+    Format("table", "Any other delimited text", generic.sniff, generic.read, generic.mapping_of),
+)
 
 
 def layout_of(path: Path) -> TextLayout | None:

@@ -72,7 +72,7 @@ def read_blocks(
     """
     parser = _Parser(layout, tuple(columns), text_column, faults)
     line = 1
-    for lines, done in _whole_lines(path, layout.encoding, faults, block_bytes):
+    for lines, done in whole_lines(path, layout.encoding, faults, block_bytes):
         count = lines.count(b"\n")
         if line + count > layout.data_line:
             lines = lines[_after_lines(lines, max(layout.data_line - line, 0)) :]
@@ -82,7 +82,7 @@ def read_blocks(
         line += count
 
 
-def _whole_lines(path: Path, encoding: str, faults: Faults, block_bytes: int) -> Iterator[tuple[bytes, int]]:
+def whole_lines(path: Path, encoding: str, faults: Faults, block_bytes: int) -> Iterator[tuple[bytes, int]]:
     """Yield blocks of ASCII-compatible bytes that end with a line feed, and how many bytes of the file are done."""
     decoder = codecs.getincrementaldecoder(encoding)("replace") if encoding.startswith("utf-16") else None
     carry, held, done = b"", b"", 0

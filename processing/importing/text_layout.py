@@ -27,7 +27,8 @@ class TextLayout:
 
     ``separator`` is one character, or empty for runs of blanks. ``columns`` are the names (header rows joined by a
     blank), ``units`` what a row of units or the brackets in the names say, empty where unknown. ``data_line`` (from 1)
-    is the first line of numbers, ``width`` its cells, ``preamble`` the lines above the header. Where rows are not all
+    is the first line of numbers, ``width`` its cells, ``preamble`` the lines above the header; ``clock_column`` holds
+    times of day or dates, ``sample`` the first rows as they are written. Where rows are not all
     of one width, ``ragged`` is True and short or long rows are trusted as far as their cells can be read.
     """
 
@@ -41,6 +42,8 @@ class TextLayout:
     width: int
     ragged: bool = False
     preamble: tuple[str, ...] = ()
+    clock_column: int | None = None
+    sample: tuple[tuple[str, ...], ...] = ()
 
 
 def read_head(path: Path, size: int = HEAD_BYTES) -> bytes:
@@ -125,10 +128,20 @@ def find_layout(path: Path, head: bytes | None = None) -> TextLayout:
     width = max(rows, len(header))
     columns = tuple(header[i] if i < len(header) and header[i] else f"column {i + 1}" for i in range(width))
     units = [units[i] if i < len(units) and units[i] else _bracketed(columns[i]) for i in range(width)]
-    names = tuple(units)
-    preamble = tuple(lines[:start])
+    sample = tuple(tuple(split(line[:65536], separator)) for line in lines[first : first + 64] if not _skipped(line))
     return TextLayout(
-        encoding, separator, decimal_comma, columns, names, first + 1, bool(header), rows, ragged, preamble
+        encoding=encoding,
+        separator=separator,
+        decimal_comma=decimal_comma,
+        columns=columns,
+        units=tuple(units),
+        data_line=first + 1,
+        has_header=bool(header),
+        width=rows,
+        ragged=ragged,
+        preamble=tuple(lines[:start]),
+        clock_column=next((i for i, cell in enumerate(sample[0][:4]) if is_clock(cell)), None),
+        sample=sample,
     )
 
 
