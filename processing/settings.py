@@ -55,13 +55,14 @@ class OrientationSettings:
     # rows that cannot be trusted, and holes in time
     bridge_s: float = tunable(0.05, "s", 0.0, 1.0, "over a shorter hole the turn is interpolated (navigation §6.1)")
     restart_s: float = tunable(1.0, "s", 0.1, 60.0, "after a longer hole the tilt is found anew from the accelerometer")
+    restart_deg: float = tunable(5.0, "°", 0.1, 360.0, "so much turned in a hole is lost: likewise")
     start_s: float = tunable(
         3.0, "s", 0.2, 60.0, "specific force is averaged so long to find the first tilt (VQF: tau 3 s)"
     )
     rate_stands_for: str = choice(
         "interval",
         ("interval", "instant"),
-        "the mean since the sample before, as strapdown recorders deliver it and BROAD's data want it, or of the moment",
+        "the mean since the sample before, as strapdown recorders deliver it and BROAD wants it, or of the moment",
     )
     # magnetometer
     magnetometer: str = choice("auto", ("auto", "use", "ignore"), "auto trusts a steady field in a pipe without iron")
@@ -143,7 +144,9 @@ class ClockSettings:
     search_s: float = tunable(25.0, "s", 1.0, 120.0, "how far the two recorders may have been started apart")
     knock_zone_s: float = tunable(90.0, "s", 10.0, 600.0, "knocks are looked for this long at either end")
     max_drift_ppm: float = tunable(150.0, "ppm", 10.0, 1000.0, "no crystal is further off, even in the cold")
-    imu_delay_periods: float = tunable(1.2, "sample periods", 0.0, 10.0, "delay of the IMU's own filter (acoustics §6)")
+    imu_delay_periods: float = tunable(
+        0.7, "sample periods", 0.0, 10.0, "delay of a second-order filter at a third of the rate"
+    )
     assumed_start_sigma_s: float = tunable(1.0, "s", 0.01, 60.0, "how far apart recorders start that nobody aligned")
     assumed_drift_sigma_ppm: float = tunable(30.0, "ppm", 1.0, 200.0, "typical difference of two crystals")
 
@@ -167,7 +170,9 @@ class DetectorSettings:
     max_candidates: float = tunable(200.0, "", 1.0, 10000.0, "more than anybody reviews in a day")
     metres_from_m: float = tunable(100.0, "m", 30.0, 5000.0, "auto: shorter runs give metre statistics too few metres")
     envelope_smooth_s: float = tunable(4.0, "s", 0.2, 60.0, "best of the envelope finder (acoustics §5.2)")
-    envelope_background_s: float = tunable(30.0, "s", 2.0, 600.0, "half window of its background where no path is known")
+    envelope_background_s: float = tunable(
+        30.0, "s", 2.0, 600.0, "half window of its background where no path is known"
+    )
     envelope_order: str = choice(
         "background", ("background", "plain"), "rank peaks against the local background, or as the papers, by height"
     )

@@ -158,7 +158,11 @@ def _descend(
     q: cython.double[::1],
     scratch: cython.double[::1],
 ) -> cython.void:
-    """One gradient step of the objectives that the readings of row ``k`` give."""
+    """One gradient step of the objectives that the readings of row ``k`` give.
+
+    The part of the gradient along q, by which it would only grow, is taken off before the norm: with it the step would
+    depend on how the sensor is mounted.
+    """
     wa: cython.double = acc_weight[k]
     wm: cython.double = 0.0
     norm: cython.double
@@ -177,8 +181,12 @@ def _descend(
             _field_reference(q, mag[k, 0] / norm, mag[k, 1] / norm, mag[k, 2] / norm, scratch)
             field_gradient(q, mag[k, 0] / norm, mag[k, 1] / norm, mag[k, 2] / norm, scratch[4], scratch[5], scratch[4:])
     size: cython.double = 0.0
+    along: cython.double = 0.0
     for j in range(4):
         scratch[j] = wa * scratch[j] + wm * scratch[4 + j]
+        along += scratch[j] * q[j]
+    for j in range(4):
+        scratch[j] -= along * q[j]
         size += scratch[j] * scratch[j]
     size = sqrt(size)
     if size > 0.0:

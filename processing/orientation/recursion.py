@@ -7,7 +7,7 @@ import numpy as np
 
 from processing.orientation import quaternions as qt
 from processing.orientation.samples import Block, TrustedSamples
-from processing.orientation.start import first_attitude
+from processing.orientation.start import Before, end_of, first_attitude
 from processing.progress import Progress
 from processing.survey import FloatArray
 
@@ -43,15 +43,17 @@ def run_recursion(
     total = len(samples.imu.time_s)
     quat, bias = np.empty((total, 4)), np.empty((total if estimates_bias else 0, 3))
     state: FloatArray | None = None
+    before: Before | None = None
     for segment in samples.segments:
         for block in samples.blocks(segment):
             if block.start == segment[0]:
-                previous = None if state is None else state[:4]
-                state = begin(first_attitude(block, samples.settings.start_s, yaw_rad, previous), state)
+                state = begin(first_attitude(block, samples.settings.start_s, yaw_rad, before), state)
             assert state is not None
             rows = len(block.time_s)
             block_quat, block_bias = np.empty((rows, 4)), np.empty((rows, 3))
             advance(block, state, block_quat, block_bias)
+            if block.stop == segment[1]:
+                before = end_of(block, block_quat)
             index = samples.index(block.start, block.stop)
             quat[index] = block_quat
             if estimates_bias:

@@ -59,19 +59,38 @@ def find_rests(imu: ImuSamples, settings: OrientationSettings) -> tuple[Rest, ..
     """Return the standstills of at least ``rest_min_s``, in order.
 
     A one-second window is at rest when the standard deviations (root of the summed variances of the axes) of specific
-    force and angular rate, and the mean rate itself, lie under their settings. A rest whose mean rate differs from the
-    median of all by more than ``rest_agree_dps`` was a slow steady turn and is left out.
+    force and angular rate, and the mean rate itself, lie under their settings. Bins whose mean rate differs from the
+    median of all by more than ``rest_agree_dps`` were a slow steady turn and are left out.
     """
     sums = _bin_sums(imu)
     least = int(np.ceil(settings.rest_min_s / _BIN_S))
     found = [(a, b) for a, b in _runs(_quiet_bins(sums, imu.sample_rate_hz, settings)) if b - a >= least]
     if not found:
         return ()
+    rests = []
+    for bins in _trustworthy(sums, found, np.radians(settings.rest_agree_dps)):
+        rests += [
+            _rest(sums, part)
+            for part in np.split(bins, np.flatnonzero(np.diff(bins) > _BINS_A_WINDOW) + 1)
+            if len(part) >= least // 2
+        ]
+    return tuple(rests)
+
+
+def _trustworthy(sums: _Sums, runs: list[tuple[int, int]], agree_radps: float) -> Iterator[IndexArray]:
+    """Yield each run's bins that are as quiet as the quietest rest, and whose mean rate is that of all bins at rest.
+
+    A window may pass that already holds the onset of motion; a hand that holds the device is no rest where the ground
+    is known; a slow steady turn shakes nothing: each would spoil the offset.
+    """
     deviation = _deviations(sums)
-    rests = [_rest(sums, part) for part in _quietest(found, deviation) if len(part) >= least // 2]
-    middle = np.median([r.gyr_mean_radps for r in rests], axis=0)
-    limit = np.radians(settings.rest_agree_dps)
-    return tuple(r for r in rests if np.linalg.norm(r.gyr_mean_radps - middle) <= limit)
+    floor = np.min([np.percentile(deviation[a:b], 25.0, axis=0) for a, b in runs], axis=0)
+    quiet = np.all(deviation <= _AS_QUIET * floor + _RESOLUTION, axis=1)
+    rate = sums.first[:, 3:] / np.maximum(sums.count, 1.0)[:, None]
+    usual = np.median(np.concatenate([rate[a:b] for a, b in runs]), axis=0)
+    quiet &= np.linalg.norm(rate - usual, axis=1) <= agree_radps
+    for a, b in runs:
+        yield a + np.flatnonzero(quiet[a:b])
 
 
 def _deviations(sums: _Sums) -> FloatArray:
@@ -81,18 +100,6 @@ def _deviations(sums: _Sums) -> FloatArray:
     variance = np.maximum(sums.second / count - mean * mean, 0.0)
     both = np.column_stack([variance[:, :3].sum(axis=1), variance[:, 3:].sum(axis=1)])
     return np.asarray(np.sqrt(both), dtype=np.float64)
-
-
-def _quietest(runs: list[tuple[int, int]], deviation: FloatArray) -> Iterator[IndexArray]:
-    """Yield each rest's bins that are as quiet as the quietest rest of the run.
-
-    A window may pass that already holds the onset of motion, and a hand that holds the device is no rest where the
-    ground is known: both would spoil the offset.
-    """
-    floor = np.min([np.percentile(deviation[a:b], 25.0, axis=0) for a, b in runs], axis=0)
-    limit = _AS_QUIET * floor + _RESOLUTION
-    for a, b in runs:
-        yield a + np.flatnonzero(np.all(deviation[a:b] <= limit, axis=1))
 
 
 def _bin_sums(imu: ImuSamples) -> _Sums:

@@ -3,11 +3,12 @@
 Rows that are not valid are left out. A rate stands for the mean since the row before (setting ``rate_stands_for``), so
 that its product with the time between is the turn; recorders that sample the rate of the moment have it taken as linear
 between rows, to second order: ``(ω₀+ω₁)Δt/2 + (ω₀×ω₁)Δt²/12``, coning included. Across a hole longer than ``bridge_s``
-nothing is known and the attitude is held; a hole longer than ``restart_s`` begins a new *segment*.
+nothing is known and the attitude is held. A hole longer than ``restart_s``, or in which the device went on turning by
+more than ``restart_deg`` at the rates around it, begins a new *segment*, whose tilt is found anew.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +17,10 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.orientation.calibration import Calibration
 from processing.orientation.magnetometer import FieldReference
 from processing.settings import OrientationSettings
-from processing.survey import FloatArray, ImuSamples
+from processing.survey import BoolArray, FloatArray, ImuSamples
 
 BLOCK_ROWS = 1 << 17
+IndexArray = npt.NDArray[np.intp]
 _LEAST_ROWS = 10
 _NO_FIELD = np.zeros((0, 3))
 
@@ -46,7 +48,7 @@ class TrustedSamples:
     calibration: Calibration
     settings: OrientationSettings
     field: FieldReference | None
-    rows: npt.NDArray[np.intp] | None  # None: every row is trusted
+    rows: IndexArray | None  # None: every row is trusted
     segments: tuple[tuple[int, int], ...]  # (start, stop) in trusted rows
     period_s: float
 
@@ -55,7 +57,7 @@ class TrustedSamples:
         """Number of trusted rows."""
         return len(self.imu.time_s) if self.rows is None else len(self.rows)
 
-    def index(self, start: int, stop: int) -> "slice | npt.NDArray[np.intp]":
+    def index(self, start: int, stop: int) -> "slice | IndexArray":
         """Return what picks the trusted rows ``start``..``stop`` from the run's arrays."""
         return slice(start, stop) if self.rows is None else self.rows[start:stop]
 
@@ -105,7 +107,7 @@ class TrustedSamples:
             return gyr[1:] * gap_s
         return 0.5 * (gyr[:-1] + gyr[1:]) * gap_s + np.cross(gyr[:-1], gyr[1:]) * (gap_s * gap_s / 12.0)
 
-    def _field(self, index: "slice | npt.NDArray[np.intp]", inner: slice) -> tuple[FloatArray, FloatArray]:
+    def _field(self, index: "slice | IndexArray", inner: slice) -> tuple[FloatArray, FloatArray]:
         if self.field is None or self.imu.mag_s_ut is None:
             return _NO_FIELD, np.zeros(0)
         mag = np.ascontiguousarray(self.imu.mag_s_ut[index][inner] / self.field.norm_ut)
@@ -127,7 +129,16 @@ def trusted_samples(
         raise LeaklineError(ErrorCode.TOO_FEW_SAMPLES, count=count, needed=_LEAST_ROWS)
     step = np.diff(imu.time_s if rows is None else imu.time_s[rows])
     period = float(np.median(step))
-    cuts = (np.flatnonzero(step > max(settings.restart_s, 2.5 * period)) + 1).tolist()
-    return TrustedSamples(
-        imu, calibration, settings, field, rows, tuple(zip([0, *cuts], [*cuts, count], strict=True)), period
-    )
+    whole = TrustedSamples(imu, calibration, settings, field, rows, ((0, count),), period)
+    holes = np.flatnonzero(step > whole.bridge_s)
+    cuts = (holes[_loses_track(whole, holes, step[holes])] + 1).tolist()
+    return replace(whole, segments=tuple(zip([0, *cuts], [*cuts, count], strict=True)))
+
+
+def _loses_track(samples: TrustedSamples, before: IndexArray, hole_s: FloatArray) -> BoolArray:
+    """Return which holes, after trusted rows ``before``, are too long or too turbulent to hold the attitude across."""
+    gyr = samples.imu.gyr_s_radps
+    rows = [before + k if samples.rows is None else samples.rows[before + k] for k in (0, 1)]
+    rate = np.maximum(*(np.linalg.norm(gyr[r], axis=1) for r in rows))
+    long = hole_s > max(samples.settings.restart_s, 2.5 * samples.period_s)
+    return np.asarray(long | (rate * hole_s > np.radians(samples.settings.restart_deg)), dtype=np.bool_)

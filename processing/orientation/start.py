@@ -5,6 +5,8 @@ therefore arbitrary unless ``Attitude.heading_from`` is ``magnetometer`` or ``de
 x axis points along the launch heading (east without one), and the path is turned to the heading in ``position``.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from processing.orientation import kernels
@@ -13,14 +15,30 @@ from processing.orientation.samples import Block
 from processing.survey import FloatArray
 
 _UP = np.array([0.0, 0.0, 1.0])
+_RATE_S = 1.0
+_ROLLING_RADPS = np.radians(60.0)
 
 
-def first_attitude(block: Block, duration_s: float, yaw_rad: float, previous_ws: FloatArray | None) -> FloatArray:
+@dataclass(frozen=True)
+class Before:
+    """How the segment before ended: attitude (4,) and mean angular rate of the last second in the world (3,)."""
+
+    quat_ws: FloatArray
+    rate_w_radps: FloatArray
+
+
+def end_of(block: Block, quat_ws: FloatArray) -> Before:
+    """Return how a block with attitudes (m, 4) ends."""
+    last = slice(int(np.searchsorted(block.time_s, block.time_s[-1] - _RATE_S)), None)
+    return Before(quat_ws[-1], _mean_rate(block, last, quat_ws[last]))
+
+
+def first_attitude(block: Block, duration_s: float, yaw_rad: float, before: Before | None) -> FloatArray:
     """Return the attitude (4,) at the first row of a segment's first block.
 
     The tilt fits the specific force of the first ``duration_s``: the gyro carries every reading back to the first row
     before they are averaged, so that a ball may already be rolling: what turns with it averages out, gravity stays.
-    The yaw comes from the field where there is one, else it continues ``previous_ws`` (4,), else it is ``yaw_rad``.
+    The yaw comes from the field where there is one, else it continues the segment before, else it is ``yaw_rad``.
     """
     stop = max(int(np.searchsorted(block.time_s, block.time_s[0] + duration_s)), 1)
     relative = np.empty((stop, 4))
@@ -34,9 +52,28 @@ def first_attitude(block: Block, duration_s: float, yaw_rad: float, previous_ws:
             clean = np.arange(stop)  # a disturbed field is a better heading than none
         east, north, _ = qt.rotate(qt.multiply(q, relative[clean]), block.mag[clean]).mean(axis=0)
         return qt.multiply(qt.turn_about_up(float(np.arctan2(east, north))), q)
-    if previous_ws is not None:
-        return qt.multiply(qt.turn_about_up(float(yaw_towards(q, previous_ws))), q)
+    if before is not None:
+        return qt.multiply(qt.turn_about_up(continuing_turn(block, qt.multiply(q, relative), before)), q)
     return with_yaw(q, yaw_rad)
+
+
+def continuing_turn(block: Block, quat_ws: FloatArray, before: Before) -> float:
+    """Return the angle about up by which a segment's first attitudes (m, 4) must be turned to continue the one before.
+
+    A rolling ball has turned on during the hole by nobody knows how much, but about the same axis: its horizontal
+    direction is what continues. A device that hardly turned continues its attitude.
+    """
+    first = slice(0, max(int(np.searchsorted(block.time_s[: len(quat_ws)], block.time_s[0] + _RATE_S)), 1))
+    rate = _mean_rate(block, first, quat_ws[first])
+    if min(np.hypot(*rate[:2]), np.hypot(*before.rate_w_radps[:2])) > _ROLLING_RADPS:
+        return float(np.arctan2(before.rate_w_radps[1], before.rate_w_radps[0]) - np.arctan2(rate[1], rate[0]))
+    return float(yaw_towards(quat_ws[0], before.quat_ws))
+
+
+def _mean_rate(block: Block, rows: slice, quat_ws: FloatArray) -> FloatArray:
+    duration_s = float(block.dt_s[rows].sum())
+    turn = qt.rotate(quat_ws, block.turn[rows]).sum(axis=0)
+    return np.asarray(turn / duration_s if duration_s > 0.0 else 0.0 * turn, dtype=np.float64)
 
 
 def with_yaw(q_ws: FloatArray, yaw_rad: float) -> FloatArray:

@@ -13,7 +13,7 @@ import numpy as np
 from processing.orientation import quaternions as qt
 from processing.orientation.recursion import Estimate, fill_untrusted
 from processing.orientation.samples import BLOCK_ROWS, Block, TrustedSamples
-from processing.orientation.start import with_yaw, yaw_towards
+from processing.orientation.start import Before, continuing_turn, end_of, with_yaw, yaw_towards
 from processing.progress import Progress
 from processing.survey import FloatArray
 
@@ -26,7 +26,7 @@ def vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimate
     from vqf import VQF
 
     quat, bias = _empty(samples)
-    previous: FloatArray | None = None
+    before: Before | None = None
     for segment in samples.segments:
         live = VQF(samples.period_s)
         turn_about_up = 0.0
@@ -34,11 +34,11 @@ def vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimate
             result = live.updateBatch(*_inputs(block, samples.period_s))
             found = _quaternions(block, result)
             if block.start == segment[0] and not len(block.mag):
-                turn_about_up = _yaw_offset(found[0], previous, yaw_rad)
+                turn_about_up = _yaw_offset(block, found, before, yaw_rad)
             found = qt.multiply(qt.turn_about_up(turn_about_up), found)
             index = samples.index(block.start, block.stop)
             quat[index], bias[index] = found, result["bias"]
-            previous = found[-1]
+            before = end_of(block, found)
             progress.update(block.stop / samples.count, "orientation_attitude")
     fill_untrusted(samples, quat, bias)
     return Estimate(quat, bias)
@@ -53,7 +53,7 @@ def offline_vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> 
     from vqf import offlineVQF
 
     quat, bias = _empty(samples)
-    previous: FloatArray | None = None
+    before: Before | None = None
     for segment in samples.segments:
         tail: tuple[int, FloatArray] | None = (
             None  # first row and attitudes of what the last chunk shares with the next
@@ -63,14 +63,15 @@ def offline_vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> 
             result = offlineVQF(*_inputs(block, samples.period_s), samples.period_s)
             found = _quaternions(block, result)
             if not len(block.mag):
-                turn = _yaw_offset(found[0], previous, yaw_rad) if tail is None else _seam_offset(low, found, tail)
+                turn = _yaw_offset(block, found, before, yaw_rad) if tail is None else _seam_offset(low, found, tail)
                 found = qt.multiply(qt.turn_about_up(turn), found)
             index = samples.index(start, stop)
             quat[index], bias[index] = found[start - low : stop - low], result["bias"][start - low : stop - low]
             # half a minute on either side of the seam, where this chunk and the next are both past their beginnings
             half = (high - stop) // 2
             tail = (stop - half, found[stop - half - low : stop + half - low].copy())
-            previous = found[stop - 1 - low]
+            if stop == segment[1]:
+                before = end_of(block, found)
             progress.update(stop / samples.count, "orientation_attitude")
     fill_untrusted(samples, quat, bias)
     return Estimate(quat, bias)
@@ -79,7 +80,7 @@ def offline_vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> 
 def bias_in_motion(samples: TrustedSamples) -> tuple[FloatArray, FloatArray]:
     """Return gyro offset and 1 sigma (3,), (3,) rad/s as offline VQF sees them in the run's longest segment.
 
-    For runs without a rest; the filter's own sigma is optimistic, so it is doubled and never under 0.05 °/s.
+    For runs without a rest; the filter's own sigma is optimistic, so it is doubled and never under 0.2 °/s.
     """
     from vqf import offlineVQF
 
@@ -89,7 +90,7 @@ def bias_in_motion(samples: TrustedSamples) -> tuple[FloatArray, FloatArray]:
     result = offlineVQF(block.turn / samples.period_s, block.acc_g * 9.81, None, samples.period_s)
     weight = 1.0 / np.asarray(result["biasSigma"], dtype=np.float64) ** 2
     offset = np.average(result["bias"], axis=0, weights=weight)
-    sigma = max(2.0 * float(np.min(result["biasSigma"])), float(np.radians(0.05)))
+    sigma = max(2.0 * float(np.min(result["biasSigma"])), float(np.radians(0.2)))
     return np.asarray(offset, dtype=np.float64), np.full(3, sigma)
 
 
@@ -108,11 +109,11 @@ def _quaternions(block: Block, result: dict[str, FloatArray]) -> FloatArray:
     return np.asarray(result["quat9D" if len(block.mag) else "quat6D"], dtype=np.float64)
 
 
-def _yaw_offset(first: FloatArray, previous: FloatArray | None, yaw_rad: float) -> float:
+def _yaw_offset(block: Block, found: FloatArray, before: Before | None, yaw_rad: float) -> float:
     """Return the turn about up that gives a segment's first attitude the wanted yaw, or lets it continue the last."""
-    if previous is not None:
-        return float(yaw_towards(first, previous))
-    return float(yaw_towards(first, with_yaw(first, yaw_rad)))
+    if before is not None:
+        return continuing_turn(block, found, before)
+    return float(yaw_towards(found[0], with_yaw(found[0], yaw_rad)))
 
 
 def _seam_offset(low: int, found: FloatArray, tail: tuple[int, FloatArray]) -> float:
