@@ -63,9 +63,9 @@ def _as_leakline_error(error: OSError) -> LeaklineError:
     return LeaklineError(ErrorCode.FILE_UNREADABLE, place, reason=error.strerror or str(error))
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> OneLineParser:
     """Return the grammar of the command line."""
-    common = argparse.ArgumentParser(add_help=False)
+    common = OneLineParser(add_help=False)
     common.add_argument("--debug", action="store_true", default=argparse.SUPPRESS, help="show tracebacks")
     common.add_argument("--language", choices=messages.LANGUAGES, default=argparse.SUPPRESS, help="of what is said")
     top = OneLineParser(
@@ -91,9 +91,9 @@ def parser() -> argparse.ArgumentParser:
     one.set_defaults(handler=_process)
 
     one = commands.add_parser("simulate", parents=[common], help="write a simulated survey with its truth")
-    one.add_argument("scenario", metavar="SCENARIO", help="a name from --list, or a scenario file")
+    one.add_argument("scenario", metavar="SCENARIO", help="a name (see 'leakline scenarios'), or a scenario file")
     one.add_argument("--out", type=Path, metavar="DIR", required=True)
-    one.add_argument("--seed", type=int, default=None, metavar="N")
+    one.add_argument("--seed", type=int, default=0, metavar="N")
     one.set_defaults(handler=_simulate)
 
     one = commands.add_parser("scenarios", parents=[common], help="list what can be simulated")
@@ -143,13 +143,13 @@ def _process_to(path: Path, out: Path, overrides: list[str], language: str) -> i
 
 
 def _simulate(words: argparse.Namespace) -> int:
+    from processing.simulation.run import simulate
     from processing.simulation.scenarios import load_scenario
-    from processing.simulation.simulate import simulate
-    from processing.simulation.write import write_run
+    from processing.simulation.writing import write_run
 
     with _TerminalProgress(words.language) as progress:
-        run = simulate(load_scenario(words.scenario), words.seed)
-        write_run(run, words.out, progress)
+        run = simulate(load_scenario(words.scenario), words.seed, progress.part(0.0, 0.5))
+        write_run(run, words.out, progress.part(0.5, 1.0))
     print(messages.text("cli", "simulated", words.language, folder=words.out.resolve()))
     return DONE
 

@@ -1,0 +1,79 @@
+"""The whole job without a window: a folder in, the report's files out."""
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from processing.errors import ErrorCode, LeaklineError, Place
+from processing.importing.folder import ImportOptions, read_survey
+from processing.importing.survey_toml import apply_override
+from processing.pipeline import process, read_recording
+from processing.progress import Progress
+from processing.reporting.exports import write_exports
+from processing.results import Results
+from processing.settings import Settings
+from processing.storage.cache import Cache
+from processing.storage.folder import SurveyFolder, is_survey_folder
+from processing.storage.review import ReviewStore
+from processing.survey import Decision, Survey
+
+
+def process_folder(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
+    """Process a device's folder, a single log, or a project, and write the files of the README into ``out``.
+
+    ``overrides`` are ``table.key=value``. A project's verdicts go into the files; nothing in it is changed.
+
+    Raises:
+        LeaklineError: what the user can mend, with its place.
+    """
+    if not path.exists():
+        raise LeaklineError(ErrorCode.FILE_MISSING, Place(path))
+    _check_writable(out)
+    if is_survey_folder(path):
+        return _process_project(path, out, overrides, language, progress)
+    survey, settings = _overridden(read_survey(path), Settings(), overrides)
+    with tempfile.TemporaryDirectory(prefix="leakline-", ignore_cleanup_errors=True) as scratch:
+        cache = Cache(Path(scratch))
+        recording = read_recording(
+            path, ImportOptions(), settings.importing, cache, progress.part(0.0, 0.3, "importing")
+        )
+        results = process(survey, recording, settings, cache, progress.part(0.3, 0.9))
+        write_exports(results, {}, out, progress.part(0.9, 1.0), language)
+    return results
+
+
+def _process_project(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
+    with SurveyFolder.open(path, read_only=True) as folder:
+        survey, settings = _overridden(folder.read_survey(), folder.read_settings(), overrides)
+        options = ImportOptions.from_json(folder.read_import_options())
+        files = folder.files()
+        recording = read_recording(folder.original_dir, options, settings.importing, folder.cache(), progress, files)
+        results = process(survey, recording, settings, folder.cache(), progress.part(0.3, 0.9))
+        results, decisions = reviewed(results, folder.review)
+        write_exports(results, decisions, out, progress.part(0.9, 1.0), language)
+    return results
+
+
+def reviewed(results: Results, review: ReviewStore) -> tuple[Results, Mapping[int, Decision]]:
+    """Return the results with the candidates as stored, and the decisions on them; bare ones before a review."""
+    run = review.latest_run()
+    if run is None or run.settings_hash != results.run_hash:
+        return results, {}
+    return replace(results, candidates=review.candidates(run)), review.decisions(run)
+
+
+def _overridden(survey: Survey, settings: Settings, overrides: list[str]) -> tuple[Survey, Settings]:
+    for words in overrides:
+        survey, settings = apply_override(survey, settings, words)
+    return survey, settings
+
+
+def _check_writable(out: Path) -> None:
+    """Learn that nothing can be written before an hour's work, not after it."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except OSError as error:
+        raise LeaklineError(ErrorCode.CANNOT_WRITE, Place(out), reason=error.strerror or str(error)) from error

@@ -1,0 +1,262 @@
+"""The order of the steps, written down once: recording → orientation → path → sound → clock → candidates.
+
+The window, the command line and the tests all call :func:`process`. Each step's result is kept in the cache under the
+hash of all that made it, so that opening a processed survey, or changing only the last step, computes nothing twice.
+"""
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeVar
+
+from processing.clock import align
+from processing.errors import ErrorCode, LeaklineError
+from processing.importing.folder import ImportOptions, import_folder
+from processing.orientation.calibration import Calibration
+from processing.orientation.registry import estimate_attitude
+from processing.position.registry import find_track
+from processing.progress import Progress, silent
+from processing.results import Results
+from processing.settings import ClockSettings, ImportSettings, Settings, digest
+from processing.sound.candidates import Heard, find_candidates
+from processing.sound.scan import SoundScan, scan
+from processing.storage.cache import Cache, cached
+from processing.storage.cache_facts import load_facts, loader, save_facts
+from processing.survey import (
+    Attitude,
+    AudioInfo,
+    AudioSource,
+    ClockMap,
+    Finding,
+    ImportedFile,
+    ImuSamples,
+    Recording,
+    Stretch,
+    Survey,
+    Track,
+)
+
+T = TypeVar("T")
+
+# raised when a step's result changes for the same input, so that old caches are not believed
+VERSIONS = {"recording": 1, "attitude": 1, "track": 1, "scan": 1, "clock": 1, "candidates": 1}
+
+
+@dataclass(frozen=True)
+class Oriented:
+    """Attitude with the calibration it rests on."""
+
+    attitude: Attitude
+    calibration: Calibration
+    findings: tuple[Finding, ...]
+
+
+def read_recording(
+    path: Path,
+    options: ImportOptions,
+    settings: ImportSettings,
+    cache: Cache | None,
+    progress: Progress | None = None,
+    files: tuple[ImportedFile, ...] = (),
+) -> Recording:
+    """Return the recording in ``path``; ``files`` with known hashes let the cache answer without reading them.
+
+    Raises:
+        LeaklineError: whatever :func:`processing.importing.folder.import_folder` finds that cannot be mended.
+    """
+    progress = progress or silent()
+
+    def compute() -> Recording:
+        return import_folder(path, options, settings, progress)
+
+    if not files:
+        return compute()
+    hashes = sorted((file.path.name, file.sha256) for file in files)
+    key = digest("recording", VERSIONS["recording"], hashes, options, settings)
+
+    def save(entry: Path, recording: Recording) -> None:
+        save_facts(entry, _moved(recording, lambda file: Path(os.path.relpath(file, path))))
+
+    def load(entry: Path) -> Recording:
+        return _moved(load_facts(entry, Recording), lambda file: path / file)
+
+    return cached(cache, "recording", key, compute, save, load)
+
+
+def _moved(recording: Recording, moved: Callable[[Path], Path]) -> Recording:
+    """Return a recording with other paths: the cache keeps relative ones, so that a survey may be moved."""
+    files = tuple(replace(file, path=moved(file.path)) for file in recording.files)
+    audio = recording.audio
+    if audio is not None:
+        audio = replace(audio, parts=tuple(replace(part, path=moved(part.path)) for part in audio.parts))
+    return replace(recording, files=files, audio=audio)
+
+
+def process(
+    survey: Survey,
+    recording: Recording,
+    settings: Settings,
+    cache: Cache,
+    progress: Progress | None = None,
+) -> Results:
+    """Derive everything from a recording: path, levels, candidates, and what could not be assessed.
+
+    Raises:
+        LeaklineError: NO_IMU where there is neither motion nor sound.
+        Cancelled: when the operator stops it; what was finished stays in the cache.
+    """
+    steps = _Steps(cache, progress or silent())
+    imu, audio = recording.imu, recording.audio
+    if imu is None and audio is None:
+        raise LeaklineError(ErrorCode.NO_IMU)
+    files = sorted((file.role, file.sha256, file.size) for file in recording.files)
+    imu_key = digest("imu", files, settings.importing, recording.not_assessed)
+    oriented, track = _path(survey, imu, settings, steps, imu_key) if imu is not None else (None, None)
+    known_bad = (*recording.not_assessed, *(track.not_assessed if track is not None else ()))
+    sound = _sound(survey, imu, audio, settings, steps, files) if audio is not None else None
+    heard = _candidates(survey, track, sound, known_bad, settings, steps) if sound is not None else Heard((), None)
+    findings = [*recording.findings]
+    findings += oriented.findings if oriented is not None else ()
+    findings += track.findings if track is not None else ()
+    findings += (*sound.scan.findings, *sound.findings) if sound is not None else ()
+    stretches = {*known_bad, *heard.not_assessed, *(sound.scan.stretches(sound.clock) if sound is not None else ())}
+    return Results(
+        survey=survey,
+        recording=recording,
+        settings=settings,
+        clock=sound.clock if sound is not None else ClockMap(),
+        attitude_method=oriented.attitude.method if oriented is not None else "",
+        calibration=oriented.calibration if oriented is not None else None,
+        track=track,
+        scan=sound.scan if sound is not None else None,
+        level_along=heard.along,
+        candidates=heard.candidates,
+        findings=(*findings, *heard.findings),
+        not_assessed=tuple(sorted(stretches, key=lambda s: (s.start_s, s.end_s, s.reason))),
+        run_hash=digest(steps.keys, settings, survey),
+        timings=steps.timings,
+    )
+
+
+class _Steps:
+    """Runs steps through the cache, times them, and shares out the progress."""
+
+    def __init__(self, cache: Cache, progress: Progress) -> None:
+        self.cache, self.progress = cache, progress
+        self.keys: list[str] = []
+        self.timings: dict[str, float] = {}
+
+    def cached(self, step: str, key: str, compute: Callable[[], T], kind: type[T]) -> T:
+        """Return a step's result from the cache, or compute and keep it."""
+        full = digest(step, VERSIONS[step], key)
+        self.keys.append(full)
+        self.timings[step] = 0.0
+        return cached(self.cache, step, full, lambda: self.timed(step, compute), save_facts, loader(kind))
+
+    def timed(self, step: str, compute: Callable[[], T]) -> T:
+        """Compute and note how long it took."""
+        began = time.perf_counter()
+        result = compute()
+        self.timings[step] = round(time.perf_counter() - began, 3)
+        return result
+
+
+@dataclass(frozen=True)
+class _Clocked:
+    """What :func:`processing.clock.align` says, as the cache keeps it."""
+
+    clock: ClockMap
+    findings: tuple[Finding, ...]
+
+
+@dataclass(frozen=True)
+class _Sound:
+    source: AudioSource
+    scan: SoundScan
+    clock: ClockMap
+    findings: tuple[Finding, ...]
+    key: str
+
+
+def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, imu_key: str) -> tuple[Oriented, Track]:
+    key = digest(
+        imu_key,
+        settings.orientation,
+        survey.processing.orientation,
+        survey.device.motion,
+        survey.pipe.material,
+        survey.launch.heading_deg,
+    )
+    oriented = steps.cached(
+        "attitude",
+        key,
+        lambda: Oriented(
+            *estimate_attitude(imu, survey, settings.orientation, steps.progress.part(0.0, 0.3, "orientation"))
+        ),
+        Oriented,
+    )
+    progress = steps.progress.part(0.3, 0.5, "position")
+    told = (survey.pipe, survey.device, survey.launch, survey.tie_points, survey.route, survey.processing.position)
+    track = steps.cached(
+        "track",
+        digest(key, settings.position, *told),
+        lambda: find_track(imu, oriented.attitude, survey, settings.position, progress),
+        Track,
+    )
+    return oriented, track
+
+
+def _sound(
+    survey: Survey,
+    imu: ImuSamples | None,
+    audio: AudioSource,
+    settings: Settings,
+    steps: _Steps,
+    files: list[tuple[str, str, int]],
+) -> _Sound:
+    key = digest("scan", VERSIONS["scan"], files, audio.channel, settings.sound)
+    steps.keys.append(key)
+    progress = steps.progress.part(0.5, 0.85, "listening")
+    steps.timings["scan"] = 0.0
+
+    def listen(place: Path) -> None:
+        steps.timed("scan", lambda: scan(audio, settings.sound, progress, place))
+
+    folder = steps.cache.entry("scan", key, listen)
+    listened = SoundScan.load(folder)
+    clocked = steps.cached(
+        "clock",
+        digest(key, files, survey.audio, settings.clock),
+        lambda: _clocked(imu, listened, survey.audio, settings.clock, steps.progress.part(0.85, 0.9)),
+        _Clocked,
+    )
+    return _Sound(audio, listened, clocked.clock, clocked.findings, key)
+
+
+def _clocked(
+    imu: ImuSamples | None, listened: SoundScan, told: AudioInfo, settings: ClockSettings, progress: Progress
+) -> _Clocked:
+    """Return the clock; without motion there is nothing to align with, and the sound's own clock serves."""
+    if imu is None:
+        return _Clocked(ClockMap(told.start_time_s or 0.0, told.drift_ppm or 0.0, 0.0, "given"), ())
+    return _Clocked(*align(imu, listened, told, settings, progress))
+
+
+def _candidates(
+    survey: Survey,
+    track: Track | None,
+    sound: _Sound,
+    not_assessed: tuple[Stretch, ...],
+    settings: Settings,
+    steps: _Steps,
+) -> Heard:
+    made_of = digest(steps.keys, settings.detector, survey.processing.detector, not_assessed)
+    progress = steps.progress.part(0.9, 1.0, "candidates")
+    return steps.cached(
+        "candidates",
+        made_of,
+        lambda: find_candidates(sound.scan, sound.clock, track, survey, settings.detector, progress, not_assessed),
+        Heard,
+    )

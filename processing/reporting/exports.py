@@ -1,0 +1,51 @@
+"""All files that a processed survey leaves behind, in one folder."""
+
+import errno
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from processing.errors import ErrorCode, LeaklineError, Place
+from processing.progress import Progress, silent
+from processing.reporting.content import make_content
+from processing.reporting.gis import write_geojson
+from processing.reporting.summary import write_summary
+from processing.reporting.tables import write_leaks, write_track
+from processing.survey import Decision
+
+if TYPE_CHECKING:
+    from processing.results import Results
+
+
+def write_exports(
+    results: "Results",
+    decisions: Mapping[int, Decision],
+    out_dir: Path,
+    progress: Progress | None = None,
+    language: str = "en",
+) -> tuple[Path, ...]:
+    """Write ``leaks.csv``, ``track.csv``, ``leaks.geojson``, ``summary.json`` and ``report.pdf``; return their paths.
+
+    Raises:
+        LeaklineError: CANNOT_WRITE or DISC_FULL; a file that was there before is then still whole.
+    """
+    from processing.reporting.pdf import write_pdf  # typst is large: loaded when a report is asked for
+
+    progress = progress or silent()
+    content = make_content(results, decisions)
+    names = ("leaks.csv", "track.csv", "leaks.geojson", "summary.json", "report.pdf")
+    leaks, track, geojson, summary, report = (out_dir / name for name in names)
+    try:
+        out_dir.mkdir(parents=True, exist_ok=True)
+        progress.update(0.0, "exporting")
+        write_leaks(leaks, content)
+        write_track(track, content)
+        progress.update(0.3, "exporting")
+        write_geojson(geojson, content)
+        write_summary(summary, content)
+        write_pdf(report, content, language, progress.part(0.4, 1.0))
+    except OSError as error:
+        code = ErrorCode.DISC_FULL if error.errno == errno.ENOSPC else ErrorCode.CANNOT_WRITE
+        raise LeaklineError(code, Place(out_dir), reason=error.strerror or str(error)) from error
+    progress.update(1.0, "exporting")
+    return leaks, track, geojson, summary, report

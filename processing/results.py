@@ -1,0 +1,29 @@
+"""All that one run of the pipeline derives, in one frozen dataclass."""
+
+from dataclasses import dataclass
+
+from processing.orientation.calibration import Calibration
+from processing.settings import Settings
+from processing.sound.level_along import LevelAlong
+from processing.sound.scan import SoundScan
+from processing.survey import Candidate, ClockMap, Finding, Recording, Stretch, Survey, Track
+
+
+@dataclass(frozen=True)
+class Results:
+    """All that one run derives; ``run_hash`` names it by what made it, ``timings`` are seconds a step (0 if cached)."""
+
+    survey: Survey
+    recording: Recording
+    settings: Settings
+    clock: ClockMap
+    attitude_method: str
+    calibration: Calibration | None
+    track: Track | None
+    scan: SoundScan | None
+    level_along: LevelAlong | None
+    candidates: tuple[Candidate, ...]
+    findings: tuple[Finding, ...]
+    not_assessed: tuple[Stretch, ...]
+    run_hash: str
+    timings: dict[str, float]
