@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from processing.position.odometry import cumulated
 from processing.survey import FloatArray
 
-Rows: TypeAlias = "np.ndarray[tuple[int], np.dtype[np.intp]]"
+Rows: TypeAlias = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)

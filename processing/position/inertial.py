@@ -1,18 +1,22 @@
 """A carried, pulled or foot-mounted device: double integration between standstills (P0, P3).
 
-``a_w = q ⊗ a ⊗ q* − g ẑ``; velocity is integrated over each moving stretch, its linear drift taken off so that it is
-zero at the standstills on both sides, and the position is its integral. The integrals are taken once over the whole
-run at the IMU's rate and kept at the track's rate: the drift of a stretch is linear in them.
+``a_w = q ⊗ a ⊗ q* − g ẑ``, with the attitude of :mod:`processing.position.levelling`; velocity is integrated over each
+moving stretch, its linear drift taken off so that it is zero at the standstills on both sides, and the position is its
+integral. The integrals are taken once over the whole run at the IMU's rate and kept at the track's rate: the drift of
+a stretch is linear in them.
 
 Chainage is the length of the way without sway and vibration: the speed along the smoothed direction of travel, or the
 plain horizontal speed within a turn, whose corner a smoothed direction would cut; height enters smoothed.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from processing.orientation.quaternions import rotate, slerp_at
+from processing.position.error_model import Rows
+from processing.position.levelling import Levelling, WorldRows, find_levelling, integrated, upright
 from processing.position.odometry import (
     BLOCK_ROWS,
     Odometry,
@@ -30,6 +34,8 @@ from processing.survey import Attitude, BoolArray, Finding, FloatArray, ImuSampl
 _SWAY_S = 0.35  # Gaussian sigma: takes 91 % off a sway of 1 Hz, all of steps at 2 Hz
 _TURN_RADPS = np.radians(30.0)  # sway leaves 5 °/s in the smoothed heading, a person's corner 60 °/s and more
 _CREEP_MPS = 0.02
+_KNOCK_S = 1.5
+_FOOT_LEVEL_S = 1.0
 
 
 def reckon(
@@ -44,7 +50,8 @@ def reckon(
     time_s = imu.time_s[rows]
     index = np.arange(len(imu.time_s)) if isinstance(rows, slice) else rows
     acc, gyr = _sizes(imu.acc_s_mps2, index), _sizes(imu.gyr_s_radps, index)
-    if survey.device.motion is Motion.FOOT:  # a stance is short, hard, and leaves no doubt
+    on_foot = survey.device.motion is Motion.FOOT
+    if on_foot:  # a stance is short, hard, and leaves no doubt
         stillness = find_stillness(time_s, acc, gyr, settings)
     else:
         gravity = resting_level(acc, gyr, 1.0 / float(np.median(np.diff(time_s))))
@@ -54,11 +61,17 @@ def reckon(
     rests = spans_of(stillness.still)
     grid = track_grid(float(time_s[0]), float(time_s[-1]), settings.track_rate_hz)
     at_s = np.unique(np.concatenate([grid, time_s[rests.ravel()]]))
-    velocity, position = _twice_integrated(imu, attitude, index, stillness.gravity_mps2, at_s, progress)
-    if survey.device.motion is not Motion.FOOT:
+    # a stance is too short and too hard to level by; without any quiet span there is only the estimator
+    long_enough = time_s[rests[:, 1]] - time_s[rests[:, 0]] > (_FOOT_LEVEL_S if on_foot else 0.0)
+    levelling = find_levelling(imu, attitude, index, rests[long_enough]) if np.any(long_enough) else None
+    worlds = _attitudes(imu, attitude, index, levelling)
+    velocity, position = _twice_integrated(imu, worlds, index, stillness.gravity_mps2, at_s, progress)
+    if not on_foot:
         first, last = (velocity[np.searchsorted(at_s, time_s[rests[:, edge]])] for edge in (0, 1))
         rests = rests[really_resting(time_s[rests[1:, 0]] - time_s[rests[:-1, 1]], first, last)]
     moves = _moving_stretches(time_s, rests)
+    if not on_foot:
+        moves = _without_knocks(moves, at_s, velocity, position)
     path = _without_drift(at_s, velocity, position, moves)
     on_grid = np.searchsorted(at_s, grid)
     density = _velocity_walk(moves, at_s, velocity, settings)
@@ -106,7 +119,7 @@ class FreePath:
     position_w_m: FloatArray
 
 
-def _sizes(vectors: FloatArray, index: "np.ndarray[tuple[int], np.dtype[np.intp]]") -> FloatArray:
+def _sizes(vectors: FloatArray, index: Rows) -> FloatArray:
     """Euclidean norms (k,) of the indexed rows, block by block."""
     out = np.empty(len(index))
     for start in range(0, len(index), BLOCK_ROWS):
@@ -116,41 +129,42 @@ def _sizes(vectors: FloatArray, index: "np.ndarray[tuple[int], np.dtype[np.intp]
 
 
 def _twice_integrated(
-    imu: ImuSamples,
-    attitude: Attitude,
-    index: "np.ndarray[tuple[int], np.dtype[np.intp]]",
-    gravity_mps2: float,
-    at_s: FloatArray,
-    progress: Progress,
+    imu: ImuSamples, worlds: Iterator[WorldRows], index: Rows, gravity_mps2: float, at_s: FloatArray, progress: Progress
 ) -> tuple[FloatArray, FloatArray]:
     """Velocity and position (m, 3) at ``at_s``, from rest and without any correction; exact for linear acceleration."""
     velocity, position = np.zeros((len(at_s), 3)), np.zeros((len(at_s), 3))
     v0, p0 = np.zeros(3), np.zeros(3)
-    for start in range(0, len(index) - 1, BLOCK_ROWS):
-        rows = index[start : start + BLOCK_ROWS + 1]
-        times = imu.time_s[rows]
-        acc_w = rotate(attitude.quat_ws[rows], imu.acc_s_mps2[rows])
+    for rows in worlds:
+        times = rows.time_s
+        acc_w = rotate(rows.quat_ws, imu.acc_s_mps2[index[rows.start : rows.stop]])
         acc_w[:, 2] -= gravity_mps2
         step = np.diff(times)[:, None]
         v = v0 + cumulated(0.5 * step * (acc_w[1:] + acc_w[:-1]))
         p = p0 + cumulated(v[:-1] * step + step**2 * (2.0 * acc_w[:-1] + acc_w[1:]) / 6.0)
-        last = start + BLOCK_ROWS + 1 >= len(index)
-        wanted = slice(
-            int(np.searchsorted(at_s, times[0])), len(at_s) if last else int(np.searchsorted(at_s, times[-1]))
-        )
+        stop = len(at_s) if rows.stop == len(index) else int(np.searchsorted(at_s, times[-1]))
+        wanted = slice(int(np.searchsorted(at_s, times[0])), stop)
         left = np.clip(np.searchsorted(times, at_s[wanted], side="right") - 1, 0, len(times) - 2)
         part = (at_s[wanted] - times[left])[:, None]
         slope = (acc_w[left + 1] - acc_w[left]) / step[left]
         velocity[wanted] = v[left] + part * acc_w[left] + 0.5 * part**2 * slope
         position[wanted] = p[left] + part * v[left] + part**2 * (3.0 * acc_w[left] + part * slope) / 6.0
         v0, p0 = v[-1], p[-1]
-        progress.update(0.2 + 0.7 * min(1.0, (start + BLOCK_ROWS) / len(index)), "position_reckon")
+        progress.update(0.2 + 0.7 * rows.stop / len(index), "position_reckon")
     return velocity, position
 
 
-def _pushes(
-    imu: ImuSamples, attitude: Attitude, index: "np.ndarray[tuple[int], np.dtype[np.intp]]", gravity_mps2: float
-) -> FloatArray:
+def _attitudes(imu: ImuSamples, attitude: Attitude, index: Rows, levelling: Levelling | None) -> Iterator[WorldRows]:
+    """The attitude to integrate with, block by block: levelled at the quiet spans, or as the estimator gave it."""
+    if levelling is None:
+        for start in range(0, len(index) - 1, BLOCK_ROWS):
+            rows = index[start : start + BLOCK_ROWS + 1]
+            yield WorldRows(start, start + len(rows), imu.time_s[rows], attitude.quat_ws[rows])
+        return
+    for world in integrated(imu, attitude, index):
+        yield replace(world, quat_ws=upright(levelling, world))
+
+
+def _pushes(imu: ImuSamples, attitude: Attitude, index: Rows, gravity_mps2: float) -> FloatArray:
     """Size (k,) of the world acceleration less gravity."""
     out = np.empty(len(index))
     for start in range(0, len(index), BLOCK_ROWS):
@@ -161,13 +175,24 @@ def _pushes(
     return out
 
 
-def _moving_stretches(time_s: FloatArray, rests: "np.ndarray[tuple[int, int], np.dtype[np.intp]]") -> Moves:
+def _moving_stretches(time_s: FloatArray, rests: Rows) -> Moves:
     starts = np.concatenate([[time_s[0]], time_s[rests[:, 1]]])
     ends = np.concatenate([time_s[rests[:, 0]], [time_s[-1]]])
     before, after = np.ones(len(starts), dtype=np.bool_), np.ones(len(starts), dtype=np.bool_)
     before[0], after[-1] = False, False
     real = ends > starts
     return Moves(np.column_stack([starts, ends])[real], before[real], after[real])
+
+
+def _without_knocks(moves: Moves, at_s: FloatArray, velocity: FloatArray, position: FloatArray) -> Moves:
+    """Drop what moved only for a moment and came nowhere, or whose velocity never came back: a knock on the shell."""
+    start, end = (np.searchsorted(at_s, moves.spans_s[:, edge]) for edge in (0, 1))
+    duration = moves.spans_s[:, 1] - moves.spans_s[:, 0]
+    gained = velocity[end] - velocity[start]
+    way = position[end] - position[start] - velocity[start] * duration[:, None] - 0.5 * gained * duration[:, None]
+    nowhere = np.linalg.norm(way, axis=1) < np.where(np.linalg.norm(gained, axis=1) > 0.1, 0.2, 0.03)
+    knock = moves.rest_before & moves.rest_after & (duration < _KNOCK_S) & nowhere
+    return Moves(moves.spans_s[~knock], moves.rest_before[~knock], moves.rest_after[~knock])
 
 
 def _without_drift(at_s: FloatArray, velocity: FloatArray, position: FloatArray, moves: Moves) -> FreePath:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from processing.errors import ErrorCode, LeaklineError
 from processing.survey import BoolArray, Channel, Finding, FloatArray, ImuSamples, Params, Stretch
@@ -46,7 +47,7 @@ class Odometry:
     quality: Params = field(default_factory=dict)
 
 
-def usable_rows(imu: ImuSamples) -> "np.ndarray[tuple[int], np.dtype[np.intp]] | slice":
+def usable_rows(imu: ImuSamples) -> npt.NDArray[np.intp] | slice:
     """Return the valid rows, as a slice where all are.
 
     Raises:

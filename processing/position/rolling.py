@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from processing.orientation.quaternions import rotate, slerp_at
 from processing.position.odometry import (
@@ -32,7 +33,7 @@ _CREEP_MPS = 0.01  # slower, the direction of travel is noise
 _LOST_HEADING_RAD = 0.5  # a gap in which the ball turned on loses the heading by about this much
 _HEIGHT_WALK = 0.1  # m/√m: slopes of 2 % that change every 20 m
 
-Rows: TypeAlias = "slice | np.ndarray[tuple[int], np.dtype[np.intp]]"
+Rows: TypeAlias = slice | npt.NDArray[np.intp]
 
 
 def reckon(

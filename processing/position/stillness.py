@@ -11,6 +11,7 @@ acceleration has a word too. Travel at constant speed feels like rest to all of 
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from processing.settings import PositionSettings
 from processing.survey import BoolArray, FloatArray
@@ -18,6 +19,9 @@ from processing.survey import BoolArray, FloatArray
 _LOW_PASS_HZ = 5.0
 _ENERGY_S = 0.1
 _CALM_RADPS = 0.03
+_LONGEST_TRAVEL = 200  # quiet spans in one go, between bends or bumps
+_LOST_SHARE = 0.3
+_FASTEST_MPS = 2.0
 _STANDARD_GRAVITY = 9.80665
 
 
@@ -79,22 +83,43 @@ def resting_level(acc_mps2: FloatArray, gyr_radps: FloatArray, rate_hz: float) -
 def really_resting(duration_s: FloatArray, first_mps: FloatArray, last_mps: FloatArray) -> BoolArray:
     """Return which of k quiet spans are standstills (k,), and not travel at constant speed, which feels the same.
 
-    ``first_mps`` and ``last_mps`` (k, 3) are the integrated velocities at the ends of each span, ``duration_s`` (k − 1,)
-    the times between the spans. The first is a standstill; a velocity gained since that drift cannot explain
-    (0.05 m/s, and a tilt of 0.2° for the time between) is travel, until it is lost again.
+    ``first_mps`` and ``last_mps`` (k, 3) are the integrated velocities at the ends of each span, ``duration_s``
+    (k − 1,) the times between the spans. A velocity gained since a standstill that drift cannot explain (0.05 m/s, and
+    a tilt of 0.2° for the time between) is travel if a later span shows it lost again; else it was a knock or a bad
+    tilt, and the device rested.
     """
     resting = np.ones(len(first_mps), dtype=np.bool_)
-    velocity = np.zeros(3)
-    for k in range(1, len(first_mps)):
-        drift = 0.05 + 0.035 * float(duration_s[k - 1])
-        speed = float(np.linalg.norm(velocity))
-        now = velocity + first_mps[k] - last_mps[k - 1]
-        resting[k] = float(np.linalg.norm(now)) <= drift + 0.3 * speed
-        velocity = np.zeros(3) if resting[k] else now + last_mps[k] - first_mps[k]
+    drift = 0.05 + 0.035 * duration_s
+    k = 1
+    while k < len(first_mps):
+        back = k
+        if np.linalg.norm(first_mps[k] - last_mps[k - 1]) > drift[k - 1]:
+            back = _velocity_lost_again(drift, first_mps, last_mps, k)
+            resting[k:back] = False
+        k = back + 1
     return resting
 
 
-def spans_of(mask: BoolArray) -> "np.ndarray[tuple[int, int], np.dtype[np.intp]]":
+def _velocity_lost_again(drift_mps: FloatArray, first_mps: FloatArray, last_mps: FloatArray, k: int) -> int:
+    """The span at which the velocity gained before span ``k`` is gone; ``k`` itself where that never happens.
+
+    The loss must be as plain as the gain was: more than drift, and most of the speed.
+    """
+    velocity = first_mps[k] - last_mps[k - 1]
+    for later in range(k + 1, min(len(first_mps), k + _LONGEST_TRAVEL)):
+        speed = float(np.linalg.norm(velocity))
+        change = first_mps[later] - last_mps[later - 1]  # within a quiet span it keeps its velocity
+        velocity = velocity + change
+        left = float(np.linalg.norm(velocity))
+        plain = float(np.linalg.norm(change)) > drift_mps[later - 1]
+        if plain and left <= _LOST_SHARE * speed + min(drift_mps[later - 1], _LOST_SHARE * speed):
+            return later
+        if left > 3.0 * _FASTEST_MPS:
+            break
+    return k
+
+
+def spans_of(mask: BoolArray) -> npt.NDArray[np.intp]:
     """Return the runs of True as rows ``(first, last)`` (k, 2), both included."""
     edges = np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
     return np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1])
