@@ -13,6 +13,7 @@ ReadSamples = Callable[[int, int], npt.NDArray[np.floating]]
 FACTOR = 8
 CHUNK = FACTOR**6
 FEWEST_BLOCKS = 512
+BLOCKS_A_COLUMN = 4
 
 
 @dataclass(frozen=True)
@@ -97,8 +98,8 @@ class EnvelopePyramid:
 
     def _level_for(self, samples: int, columns: int) -> int:
         level = 0
-        # 16 blocks a column on average: a quick stretch beside a standstill still gets its own
-        while level < len(self.lows) and samples // FACTOR ** (level + 1) >= 16 * columns:
+        # 4 blocks a column on average: a quick stretch beside a standstill still gets its own
+        while level < len(self.lows) and samples // FACTOR ** (level + 1) >= BLOCKS_A_COLUMN * columns:
             level += 1
         return level
 

@@ -12,6 +12,7 @@ from processing.survey import Candidate, Channel, FloatArray
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid
 from widgets.linked_plot import Readout
+from widgets.plot_paint import paint_legend
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
@@ -69,10 +70,16 @@ class LevelView(CurvePlot):
             self._paint_curve(painter, rect, self._threshold, self._theme.curve_second)
         self._paint_curve(painter, rect, self._level, self._theme.curve)
         self._paint_stems(painter, rect)
+        names = (
+            (self._level, self.tr("level"), self._theme.curve),
+            (self._threshold, self.tr("threshold"), self._theme.curve_second),
+            (self._background, self.tr("background"), self._theme.curve_third),
+        )
+        paint_legend(painter, rect, self._theme, [(name, colour) for curve, name, colour in names if curve is not None])
 
     def _paint_stems(self, painter: QPainter, rect: QRectF) -> None:
         """Show with a bar at the foot the stretch within which each candidate lies in 95 of 100 cases."""
-        for candidate in self._marks.in_drawing_order():
+        for candidate in self._marks.in_drawing_order:
             centre = self._mark_centre(candidate)
             if centre is None:
                 continue

@@ -11,6 +11,7 @@ import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
@@ -29,7 +30,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Channel, Decision, Stretch, Verdict
 from widgets.plot_paint import paint_hatch
-from widgets.plot_theme import LIGHT, Theme, paint_verdict
+from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.time_axis import AxisMode, x_text, x_ticks
 from widgets.time_cursor import TimeCursor
 
@@ -64,8 +65,9 @@ class Marks:
         decision = (self.decisions or {}).get(candidate.id)
         return decision.verdict if decision is not None else Verdict.NONE
 
+    @cached_property
     def in_drawing_order(self) -> list[Candidate]:
-        """Return the candidates so that the weighty ones, and last the selected one, come on top."""
+        """The candidates so that the weighty ones, and last the selected one, come on top."""
         rank = {Verdict.REJECTED: 0, Verdict.NONE: 1, Verdict.UNSURE: 2, Verdict.CONFIRMED: 3}
         return sorted(self.candidates, key=lambda c: (c.id == self.selected, rank[self.verdict(c)], c.score))
 
@@ -92,6 +94,8 @@ class LinkedPlot(QWidget):
         self._channel: Channel | None = None  # which stretches concern this plot; None: all
         self._pixmap = QPixmap()
         self._stale = True
+        self._rect: QRectF | None = None
+        self._mark_pixmaps: VerdictMarks | None = None
         self._pressed: QPointF | None = None
         self._drag: Drag | None = None
         self._dragged = False
@@ -109,13 +113,13 @@ class LinkedPlot(QWidget):
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""
-        self._theme = theme
+        self._theme, self._rect = theme, None
         self.updateGeometry()
         self.invalidate()
 
     def set_x_axis_visible(self, visible: bool) -> None:
         """Show or hide the ticks of the common axis; of stacked plots only the lowest needs them."""
-        self._show_x_axis = visible
+        self._show_x_axis, self._rect = visible, None
         self.invalidate()
 
     def set_candidates(self, candidates: Sequence[Candidate], decisions: Mapping[int, Decision] | None = None) -> None:
@@ -138,12 +142,14 @@ class LinkedPlot(QWidget):
 
     def plot_rect(self) -> QRectF:
         """Return where data are drawn; its left and right edge are the same for all plots of one width and theme."""
-        metrics = self._theme.metrics()
-        left = self._axis_left() + metrics.horizontalAdvance("00000") + 8
-        right = metrics.horizontalAdvance("−100.0 dB") + 10
-        bottom = 1.5 * metrics.height() if self._show_x_axis else 3.0
-        width = max(1.0, self.width() - math.ceil(left) - math.ceil(right))
-        return QRectF(math.ceil(left), 4.0, width, max(1.0, self.height() - 4.0 - math.ceil(bottom)))
+        if self._rect is None:
+            metrics = self._theme.metrics()
+            left = math.ceil(self._axis_left() + metrics.horizontalAdvance("00000") + 8)
+            right = math.ceil(metrics.horizontalAdvance("−100.0 dB") + 10)
+            bottom = math.ceil(1.5 * metrics.height()) if self._show_x_axis else 3
+            width, height = self.width() - left - right, self.height() - 4 - bottom
+            self._rect = QRectF(left, 4.0, max(1.0, width), max(1.0, height))
+        return self._rect
 
     def x_span(self) -> tuple[float, float]:
         """Return which span of the common axis the plot shows, in the axis' unit."""
@@ -181,7 +187,7 @@ class LinkedPlot(QWidget):
     def candidate_at(self, place: QPointF) -> int | None:
         """Return the id of the candidate whose mark lies under a pixel."""
         radius = self.mark_radius() + 4
-        for candidate in reversed(self._marks.in_drawing_order()):
+        for candidate in reversed(self._marks.in_drawing_order):
             centre = self._mark_centre(candidate)
             if centre is not None and math.dist(centre.toTuple(), place.toTuple()) <= radius:
                 return candidate.id
@@ -297,8 +303,12 @@ class LinkedPlot(QWidget):
                 continue
             painter.setPen(QColor(self._theme.text))
             painter.drawLine(QPointF(x, rect.bottom()), QPointF(x, rect.bottom() + 4))
-            box = QRectF(x - widest, rect.bottom() + 4, 2 * widest, metrics.height())
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, x_text(value, step, mode, locale))
+            label = x_text(value, step, mode, locale)
+            # the last one gives way to the name of the axis
+            half = 0.5 * metrics.horizontalAdvance(label)
+            middle = min(x, rect.right() + 2 - half)
+            box = QRectF(middle - widest, rect.bottom() + 4, 2 * widest, metrics.height())
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, label)
         if self._show_x_axis:
             name = self.tr("m") if mode is AxisMode.DISTANCE else self.tr("time")
             box = QRectF(rect.right() + 6, rect.bottom() + 4, self.width() - rect.right() - 6, metrics.height())
@@ -315,11 +325,14 @@ class LinkedPlot(QWidget):
     def _paint_marks(self, painter: QPainter, rect: QRectF) -> None:
         painter.save()
         painter.setClipRect(rect.adjusted(-self.mark_radius(), 0, self.mark_radius(), 0))
-        for candidate in self._marks.in_drawing_order():
+        marks, ratio = self._mark_pixmaps, self.devicePixelRatioF()
+        if marks is None or not marks.fits(self._theme, self.mark_radius(), ratio):
+            marks = self._mark_pixmaps = VerdictMarks(self._theme, self.mark_radius(), ratio)
+        for candidate in self._marks.in_drawing_order:
             centre = self._mark_centre(candidate)
             if centre is not None:
-                verdict, selected = self._marks.verdict(candidate), candidate.id == self._marks.selected
-                paint_verdict(painter, self._theme, verdict, centre, self.mark_radius(), selected=selected)
+                verdict = self._marks.verdict(candidate)
+                marks.paint(painter, verdict, centre, selected=candidate.id == self._marks.selected)
         painter.restore()
 
     def _paint_hint(self, painter: QPainter, rect: QRectF, text: str) -> None:
@@ -364,6 +377,7 @@ class LinkedPlot(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Paint for the new size."""
         super().resizeEvent(event)
+        self._rect = None
         self.invalidate()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:

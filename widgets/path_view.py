@@ -25,7 +25,7 @@ from widgets.path_paint import (
     paint_scale_bar,
 )
 from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment, visible_runs
-from widgets.plot_theme import LIGHT, Theme, paint_verdict
+from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.throttle import Throttle
 from widgets.time_cursor import TimeCursor
 
@@ -64,6 +64,7 @@ class PathView(QWidget):
         self._scale = PlanScale((0.0, 0.0), 10.0, (1.0, 1.0))
         self._fitted = True
         self._pixmap, self._stale = QPixmap(), True
+        self._mark_pixmaps: VerdictMarks | None = None
         self._pressed: QPointF | None = None
         self._scale_pressed = self._scale
         self._dragged = False
@@ -156,7 +157,7 @@ class PathView(QWidget):
 
     def candidate_at(self, place: QPointF) -> int | None:
         """Return the id of the candidate whose mark lies under a pixel."""
-        for candidate in reversed(self._marks.in_drawing_order()):
+        for candidate in reversed(self._marks.in_drawing_order):
             centre = self._mark_centre(candidate)
             if centre is not None and math.dist(centre.toTuple(), place.toTuple()) <= self._mark_radius() + 4:
                 return candidate.id
@@ -285,14 +286,17 @@ class PathView(QWidget):
         pins = [
             (pin, QPointF(*self._scale.pixel(pin.east_m, pin.north_m))) for pin in (*self._end_pins(), *self._tie_pins)
         ]
-        marks = [(c, centre) for c in self._marks.in_drawing_order() if (centre := self._mark_centre(c)) is not None]
+        marks = [(c, centre) for c in self._marks.in_drawing_order if (centre := self._mark_centre(c)) is not None]
         for _, centre in (*pins, *marks):
             labels.keep_free(centre, radius)
         for pin, centre in pins:
             paint_pin(painter, self._theme, pin.kind, centre, 0.7 * radius)
+        pixmaps, ratio = self._mark_pixmaps, self.devicePixelRatioF()
+        if pixmaps is None or not pixmaps.fits(self._theme, radius, ratio):
+            pixmaps = self._mark_pixmaps = VerdictMarks(self._theme, radius, ratio)
         for candidate, centre in marks:
             selected = candidate.id == self._marks.selected
-            paint_verdict(painter, self._theme, self._marks.verdict(candidate), centre, radius, selected=selected)
+            pixmaps.paint(painter, self._marks.verdict(candidate), centre, selected=selected)
         # the weighty ones are painted last but named first, so that they get a place
         for candidate, centre in reversed(marks):
             labels.write(str(candidate.id), centre, radius + 3, strong=candidate.id == self._marks.selected)

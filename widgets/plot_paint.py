@@ -13,27 +13,25 @@ from widgets.plot_scale import Scale
 from widgets.plot_theme import Theme
 
 
-def coverage(top: FloatArray, bottom: FloatArray, rows: int) -> npt.NDArray[np.uint8]:
-    """Return how much of each pixel (rows, columns) lies between ``top`` and ``bottom`` (pixels, top < bottom), 0..255.
+def coverage(top: FloatArray, bottom: FloatArray, rows: int) -> tuple[npt.NDArray[np.uint8], int]:
+    """Return how much of each pixel lies between ``top`` and ``bottom`` (pixels, top < bottom), 0..255, and where.
 
-    This draws a curve of any roughness in the same small time, where Qt's stroker takes seconds for thick noise.
+    The picture (at most ``rows``, columns) holds only the rows that are touched, from the second result on. This draws
+    a curve of any roughness in the same small time, where Qt's stroker takes most of a second for thick noise.
     """
-    shape = (rows, len(top))
-    picture = np.zeros(shape, dtype=np.uint8)
     good = np.isfinite(top) & np.isfinite(bottom)
     if rows < 1 or not np.any(good):
-        return picture
+        return np.zeros((0, len(top)), dtype=np.uint8), 0
     first = int(np.clip(np.floor(np.min(top[good])), 0, rows))
     last = int(np.clip(np.ceil(np.max(bottom[good])), first, rows))
     grid = np.arange(first, last, dtype=np.float32)[:, None]
     upper = np.where(good, top, rows + 1.0).astype(np.float32)
     lower = np.where(good, bottom, -1.0).astype(np.float32)
-    part = np.minimum(grid + 1.0, lower)
+    part = np.minimum(grid + np.float32(1.0), lower)
     part -= np.maximum(grid, upper)
     np.clip(part, 0.0, 1.0, out=part)
     part *= 255.0
-    picture[first:last] = part
-    return picture
+    return part.astype(np.uint8), first
 
 
 def paint_columns(
@@ -55,12 +53,14 @@ def paint_columns(
         return
     top = (1.0 - scale.fraction(high)) * rows - 0.5 * thickness * ratio
     bottom = (1.0 - scale.fraction(low)) * rows + 0.5 * thickness * ratio
-    picture = coverage(np.clip(top, -10.0, rows + 10.0), np.clip(bottom, -10.0, rows + 10.0), rows)
+    picture, first = coverage(np.clip(top, -10.0, rows + 10.0), np.clip(bottom, -10.0, rows + 10.0), rows)
     height, width = picture.shape
+    if height == 0:
+        return
     image = QImage(picture.data, width, height, width, QImage.Format.Format_Indexed8)
     red, green, blue, alpha = colour.red(), colour.green(), colour.blue(), colour.alpha()
     image.setColorTable([qRgba(red, green, blue, alpha * k // 255) for k in range(256)])
-    painter.drawImage(rect, image)
+    painter.drawImage(QRectF(rect.left(), rect.top() + first / ratio, rect.width(), height / ratio), image)
 
 
 def paint_y_axis(
@@ -76,7 +76,8 @@ def paint_y_axis(
 ) -> None:
     """Draw the grid, the ticks and the name of a vertical axis; the labels stand between ``left`` and the plot.
 
-    ``text`` makes the label of a value from it and the step between ticks.
+    ``text`` makes the label of a value from it and the step between ticks. Of a name such as ``elevation (m)`` only the
+    unit is written where there is no room for more.
     """
     metrics = theme.metrics()
     ticks = scale.ticks(max(2, int(rect.height() / (1.7 * metrics.height()))))
@@ -97,7 +98,7 @@ def paint_y_axis(
     painter.translate(left - 0.65 * metrics.height(), rect.center().y())
     painter.rotate(-90.0)
     span = rect.height() + metrics.height()
-    name = metrics.elidedText(label, Qt.TextElideMode.ElideRight, span)
+    name = label if metrics.horizontalAdvance(label) <= span else label.rpartition("(")[2].rstrip(")")
     painter.setPen(QColor(theme.text))
     painter.drawText(
         QRectF(-0.5 * span, -metrics.height(), span, 2 * metrics.height()), Qt.AlignmentFlag.AlignCenter, name
@@ -146,3 +147,20 @@ def free_box(
         if within.contains(box) and not any(box.intersects(other) for other in taken):
             return box
     return None
+
+
+def paint_legend(painter: QPainter, rect: QRectF, theme: Theme, entries: Sequence[tuple[str, str]]) -> None:
+    """Write names, each in its colour, side by side into the upper left corner of a plot."""
+    metrics = theme.metrics()
+    gap = metrics.horizontalAdvance("  ")
+    width = sum(metrics.horizontalAdvance(name) + gap for name, _ in entries) + gap
+    if width > rect.width() or rect.height() < 2.5 * metrics.height():
+        return
+    ground = QColor(theme.canvas)
+    ground.setAlpha(215)
+    painter.fillRect(QRectF(rect.left() + 2, rect.top() + 2, width, metrics.height() + 2), ground)
+    x = rect.left() + 2 + gap
+    for name, colour in entries:
+        painter.setPen(QColor(colour))
+        painter.drawText(QPointF(x, rect.top() + 2 + metrics.ascent()), name)
+        x += metrics.horizontalAdvance(name) + gap

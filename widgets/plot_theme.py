@@ -6,9 +6,10 @@ verdict has its own shape and sign, and what is not assessed is hatched.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QGuiApplication, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QGuiApplication, QPainter, QPen, QPixmap, QPolygonF
 
 from processing.survey import Verdict
 
@@ -40,17 +41,25 @@ class Theme:
         """Return this theme with larger or smaller letters."""
         return replace(self, font_scale=font_scale)
 
-    def font(self, *, bold: bool = False) -> QFont:
-        """Return the font of plots."""
-        font = QFont(QGuiApplication.font())
-        size = font.pointSizeF() if font.pointSizeF() > 0 else 9.0
-        font.setPointSizeF(size * self.font_scale)
-        font.setBold(bold or self.name == "sun")
-        return font
+    def font(self) -> QFont:
+        """Return the font of plots; the first call fixes it: make a new theme when the application's font changes."""
+        return self._font
 
     def metrics(self) -> QFontMetricsF:
         """Return the metrics of :meth:`font`."""
-        return QFontMetricsF(self.font())
+        return self._metrics
+
+    @cached_property
+    def _font(self) -> QFont:
+        font = QFont(QGuiApplication.font())
+        size = font.pointSizeF() if font.pointSizeF() > 0 else 9.0
+        font.setPointSizeF(size * self.font_scale)
+        font.setBold(self.name == "sun")
+        return font
+
+    @cached_property
+    def _metrics(self) -> QFontMetricsF:
+        return QFontMetricsF(self._font)
 
     def verdict_colour(self, verdict: Verdict) -> QColor:
         """Return the colour of a verdict."""
@@ -199,8 +208,38 @@ def _paint_sign(painter: QPainter, theme: Theme, verdict: Verdict, centre: QPoin
         painter.drawLine(QPointF(x - r, y - r), QPointF(x + r, y + r))
         painter.drawLine(QPointF(x - r, y + r), QPointF(x + r, y - r))
     elif verdict is Verdict.UNSURE:
-        font = theme.font(bold=True)
+        font = QFont(theme.font())
+        font.setBold(True)
         font.setPixelSize(max(7, round(1.5 * radius)))
         painter.setFont(font)
         painter.setPen(QColor(theme.canvas))
         painter.drawText(QRectF(x - 2 * r, y - 1.4 * r, 4 * r, 3.6 * r), Qt.AlignmentFlag.AlignCenter, "?")
+
+
+class VerdictMarks:
+    """The marks of one theme and size, painted once and laid down often."""
+
+    def __init__(self, theme: Theme, radius: float, pixel_ratio: float) -> None:
+        self._theme, self._radius, self._ratio = theme, radius, pixel_ratio
+        self._pixmaps: dict[tuple[Verdict, bool], QPixmap] = {}
+
+    def fits(self, theme: Theme, radius: float, pixel_ratio: float) -> bool:
+        """Return whether these are the marks of that theme, size and screen."""
+        return self._theme is theme and (self._radius, self._ratio) == (radius, pixel_ratio)
+
+    def paint(self, painter: QPainter, verdict: Verdict, centre: QPointF, *, selected: bool = False) -> None:
+        """Lay down the mark of a verdict."""
+        half = 2.0 * self._radius + 2.0 * self._theme.line_width + 4.0
+        pixmap = self._pixmaps.get((verdict, selected))
+        if pixmap is None:
+            size = round(2.0 * half * self._ratio)
+            pixmap = QPixmap(size, size)
+            pixmap.setDevicePixelRatio(self._ratio)
+            pixmap.fill(Qt.GlobalColor.transparent)
+            inner = QPainter(pixmap)
+            try:
+                paint_verdict(inner, self._theme, verdict, QPointF(half, half), self._radius, selected=selected)
+            finally:
+                inner.end()
+            self._pixmaps[verdict, selected] = pixmap
+        painter.drawPixmap(QPointF(round(centre.x() - half), round(centre.y() - half)), pixmap)

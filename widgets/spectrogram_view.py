@@ -241,6 +241,7 @@ class SpectrogramView(LinkedPlot):
         if self._picture is not None and self._picture.key == key:
             painter.drawImage(rect, self._image(self._picture))
         else:
+            # the overview lies below what was seen last, which rarely covers everything
             for picture in (self._overview, self._picture):
                 if picture is not None:
                     self._paint_stretched(painter, rect, picture, key)

@@ -170,11 +170,9 @@ def bin_rows(
 def pooled_rows(levels: Levels, frequencies_hz: FloatArray, frequency: Scale, rows: int) -> Levels:
     """Return (rows, columns): each pixel row holds the maximum of the bins that it shows; 0 where there are none."""
     starts, ends = bin_rows(frequencies_hz, frequency, rows)
-    result = np.zeros((rows, levels.shape[1]), dtype=np.uint8)
-    for row in range(rows):
-        first, last = int(starts[row]), int(ends[row])
-        if last == first + 1:
-            result[row] = levels[first]
-        elif last > first:
-            np.max(levels[first:last], axis=0, out=result[row])
-    return result
+    # of each pair the even result is the row's; the row added behind makes every end a valid mark
+    closed = np.concatenate((levels, levels[-1:]))
+    marks = np.stack((np.minimum(starts, len(levels) - 1), ends), axis=1).ravel()
+    pooled: Levels = np.maximum.reduceat(closed, marks, axis=0)[0::2]
+    pooled[ends <= starts] = 0
+    return np.ascontiguousarray(pooled)

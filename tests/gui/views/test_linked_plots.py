@@ -210,7 +210,8 @@ def test_the_highest_pixel_of_the_level_curve_is_at_its_peak_in_both_units(curso
         blue = QColor(LIGHT.curve)
         rows = {}
         for x in range(int(rect.left()) + 1, int(rect.right()) - 1):
-            column = [y for y in range(int(rect.top()) + 1, int(rect.bottom())) if image.pixelColor(x, y) == blue]
+            below_legend = range(int(rect.top()) + 25, int(rect.bottom()))
+            column = [y for y in below_legend if image.pixelColor(x, y) == blue]
             if column:
                 rows[x] = column[0]
         top = min(rows.values())
@@ -347,11 +348,16 @@ def test_letters_curves_and_marks_stand_out_of_their_ground(theme):
 
 
 def test_thick_noisy_curves_are_covered_exactly():
-    picture = coverage(np.array([1.0, 2.5, np.nan, -5.0]), np.array([3.0, 3.5, np.nan, 9.0]), 5)
+    picture, first = coverage(np.array([1.0, 2.5, np.nan, -5.0]), np.array([3.0, 3.5, np.nan, 9.0]), 5)
+    assert first == 0
     np.testing.assert_array_equal(picture[:, 0], [0, 255, 255, 0, 0])
     np.testing.assert_array_equal(picture[:, 1], [0, 0, 127, 127, 0])
     np.testing.assert_array_equal(picture[:, 2], 0)
     np.testing.assert_array_equal(picture[:, 3], 255)
+    picture, first = coverage(np.array([2.25, 3.0]), np.array([2.75, 4.0]), 500)
+    assert first == 2
+    np.testing.assert_array_equal(picture, [[127, 0], [0, 255]])
+    assert coverage(np.array([np.nan]), np.array([np.nan]), 5)[0].shape == (0, 1)
 
 
 def test_names_find_a_place_that_is_free_or_none():
