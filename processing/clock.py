@@ -26,6 +26,7 @@ _KNOCKING_S = 25.0  # knocks come close together, joints do not
 _MAX_SECOND_SHARE = 0.7  # of the best line's pairs; above it the rhythm is ambiguous
 _MAX_CHANCE = 1e-4
 _EVENT_JITTER_S = 0.006  # of an audio onset against the moment of the blow
+_PAIR_SIGMA_S = 0.003  # of one pair, where the fit itself is not asked
 _GIVEN_SIGMA_S = 0.005
 
 
@@ -92,6 +93,11 @@ class _Search:
         return (self.told.drift_ppm or 0.0) * 1e-6
 
     @property
+    def prior(self) -> tuple[float, float]:
+        """The drift to be expected and its sigma."""
+        return self.expected_drift, self.settings.assumed_drift_sigma_ppm * 1e-6
+
+    @property
     def drift_range(self) -> float:
         """How far around it."""
         return 0.0 if self.told.drift_ppm is not None else self.settings.max_drift_ppm * 1e-6
@@ -122,7 +128,9 @@ class _Search:
         survey_s, shift_s = _pairs(felt.time_s, heard.time_s, centre, room)
         drifts = np.array([self.expected_drift])
         chance = self._pairs_by_chance(felt, heard, to_s - from_s)
-        line = _best_line(survey_s, shift_s, drifts, 0.5 * (from_s + to_s), self.tolerance_s, chance, _MIN_KNOCKS)
+        line = _best_line(
+            survey_s, shift_s, drifts, 0.5 * (from_s + to_s), self.tolerance_s, chance, _MIN_KNOCKS, self.prior
+        )
         return line if line is not None and _is_knocking(line) else None
 
     def _pairs_by_chance(self, felt: Events, heard: Events, span_s: float) -> float:
@@ -145,7 +153,7 @@ class _Search:
         count = int(np.ceil(self.drift_range / step))
         drifts = self.expected_drift + step * np.arange(-count, count + 1, dtype=np.float64)
         chance = self._pairs_by_chance(felt, heard, float(felt.time_s[-1] - felt.time_s[0]))
-        line = _best_line(survey_s, shift_s, drifts, middle_s, self.tolerance_s, chance, _MIN_BUMPS)
+        line = _best_line(survey_s, shift_s, drifts, middle_s, self.tolerance_s, chance, _MIN_BUMPS, self.prior)
         return line if line is not None and _halves_agree(line, survey_s, shift_s, room, self.tolerance_s) else None
 
 
@@ -170,6 +178,7 @@ def _best_line(
     tolerance_s: float,
     expected: float,
     min_pairs: int,
+    prior: tuple[float, float],
 ) -> _Line | None:
     """Return the line with most pairs within ±tolerance, or None where it may be chance or another is as good.
 
@@ -200,7 +209,7 @@ def _best_line(
     chance = cells_tried * float(stats.poisson.sf(best - 1, expected))
     if best < min_pairs or second > _MAX_SECOND_SHARE * best or chance > _MAX_CHANCE:
         return None
-    return _fitted(survey_s, shift_s, best_drift, best_offset, middle_s, tolerance_s, len(drifts) > 1)
+    return _fitted(survey_s, shift_s, best_drift, best_offset, middle_s, tolerance_s, len(drifts) > 1, prior)
 
 
 def _fitted(
@@ -211,6 +220,7 @@ def _fitted(
     middle_s: float,
     tolerance_s: float,
     with_drift: bool,
+    prior: tuple[float, float],
 ) -> _Line:
     """Return the least-squares line through the pairs near the one found, in three rounds of narrowing."""
     near = np.ones(len(survey_s), np.bool_)
@@ -218,11 +228,23 @@ def _fitted(
         residual = shift_s - offset_s - drift * (survey_s - middle_s)
         near = np.abs(residual) <= reach * tolerance_s
         if with_drift and np.ptp(survey_s[near]) > 0:
-            slope, at_middle = np.polyfit(survey_s[near] - middle_s, shift_s[near], 1)
-            drift, offset_s = float(slope), float(at_middle)
+            drift, offset_s = _straight(survey_s[near] - middle_s, shift_s[near], prior)
         else:
             offset_s = float(np.mean(shift_s[near] - drift * (survey_s[near] - middle_s)))
     return _Line(offset_s, drift, middle_s, survey_s[near], shift_s[near])
+
+
+def _straight(x: FloatArray, y: FloatArray, prior: tuple[float, float]) -> tuple[float, float]:
+    """Return slope and value at 0 of the least-squares line, the slope held by ``prior`` (value, sigma).
+
+    Over a minute a few milliseconds look like 100 ppm; what crystals do is the better knowledge then.
+    """
+    expected, sigma = prior
+    centre_x, centre_y = float(x.mean()), float(y.mean())
+    dx, dy = x - centre_x, y - centre_y - expected * (x - centre_x)
+    hold = (_PAIR_SIGMA_S / sigma) ** 2
+    slope = expected + float(dx @ dy / (dx @ dx + hold))
+    return slope, centre_y - slope * centre_x
 
 
 def _is_knocking(line: _Line) -> bool:
@@ -288,16 +310,15 @@ def _through(start: _Line, end: _Line, search: _Search) -> _Line:
         drift = search.expected_drift
         offset_s = float(np.mean(shift_s - drift * (survey_s - search.middle_s)))
     else:
-        slope, at_middle = np.polyfit(survey_s - search.middle_s, shift_s, 1)
-        drift, offset_s = float(slope), float(at_middle)
+        drift, offset_s = _straight(survey_s - search.middle_s, shift_s, search.prior)
     return _Line(offset_s, drift, search.middle_s, survey_s, shift_s)
 
 
 def _sigma_s(line: _Line, period_s: float) -> float:
-    """Return the scatter of the mean of the pairs with half a sample for the sensor's unknown delay."""
+    """Return the scatter of the mean of the pairs with most of a sample for the sensor's unknown delay."""
     residual = line.shift_s - line.offset_s - line.drift * (line.survey_s - line.middle_s)
     scatter = float(np.sqrt(np.sum(residual**2) / max(line.count - 2, 1)))
-    return float(np.hypot(scatter / np.sqrt(line.count), 0.5 * period_s))
+    return float(np.hypot(scatter / np.sqrt(line.count), 0.7 * period_s))
 
 
 def _assumed(told: AudioInfo, audio_s: float, settings: ClockSettings) -> tuple[ClockMap, tuple[Finding, ...]]:

@@ -117,9 +117,9 @@ class PositionSettings:
     # carried and foot
     still_acc_mps2: float = tunable(0.5, "m/s²", 0.01, 5.0, "filtered | |a| − g | of a standstill (P3; 0.05 g)")
     still_gyr_dps: float = tunable(45.0, "°/s", 0.5, 200.0, "rate of a standstill; a standing foot still rolls")
-    still_push_mps2: float = tunable(0.15, "m/s²", 0.01, 5.0, "least linear acceleration that counts as moving")
+    still_change_mps2: float = tunable(0.04, "m/s²", 0.005, 5.0, "least change of acceleration that counts as moving")
     still_min_s: float = tunable(0.15, "s", 0.02, 10.0, "a shorter quiet moment is no standstill")
-    still_margin_s: float = tunable(0.3, "s", 0.0, 2.0, "the edge of a carried device's standstill still moves")
+    still_margin_s: float = tunable(0.1, "s", 0.0, 2.0, "the edge of a carried device's standstill still moves")
     inertial_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "accelerometer scale of consumer MEMS")
     velocity_walk: float = tunable(
         0.004, "m/s/√s", 0.0001, 1.0, "least error of integrated acceleration; stops raise it"

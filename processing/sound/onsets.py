@@ -85,7 +85,8 @@ def _first_quarter(level: npt.NDArray[np.float32], peak: int, step_s: float) -> 
 def imu_events(imu: ImuSamples) -> Events:
     """Return jerks of |acceleration|, in survey seconds, strength in medians of the ten seconds around.
 
-    The moment is the centroid of the change over three samples (acoustics §6); rows that are not valid are passed over.
+    The moment is the centroid of the blow's energy over three samples (acoustics §6). Rows that are not valid are
+    passed over.
     """
     found: list[tuple[FloatArray, FloatArray]] = []
     rate = imu.sample_rate_hz
@@ -101,8 +102,7 @@ def imu_events(imu: ImuSamples) -> Events:
         relative = jerk / _block_medians(jerk, block)
         peaks, strength = _separate_peaks(relative.astype(np.float32), _MIN_JERK, apart)
         peaks, strength = _strongest_per_block(peaks, strength, block)
-        middles = 0.5 * (times[1:] + times[:-1])
-        found.append((_centroids(jerk, middles, peaks), strength))
+        found.append((_centroids(_from_usual(size, block), times, peaks), strength))
     return _joined(found)
 
 
@@ -116,9 +116,20 @@ def _block_medians(values: FloatArray, block: int) -> FloatArray:
     return medians
 
 
-def _centroids(jerk: FloatArray, times: FloatArray, peaks: npt.NDArray[np.int64]) -> FloatArray:
-    around = np.clip(peaks[:, None] + np.array([-1, 0, 1]), 0, max(len(jerk) - 1, 0))
-    weight = jerk[around] ** 2
+def _from_usual(size: FloatArray, block: int) -> FloatArray:
+    """Return how far each value is from the median of its block."""
+    away = np.empty(len(size))
+    for start in range(0, len(size), block):
+        part = size[start : start + block]
+        away[start : start + block] = np.abs(part - np.median(part))
+    return away
+
+
+def _centroids(away: FloatArray, times: FloatArray, peaks: npt.NDArray[np.int64]) -> FloatArray:
+    """Return the centroids around the larger of the two samples between which each peak of the jerk lies."""
+    middle = np.where(away[peaks + 1] > away[peaks], peaks + 1, peaks)
+    around = np.clip(middle[:, None] + np.array([-1, 0, 1]), 0, max(len(away) - 1, 0))
+    weight = away[around] ** 2 + 1e-12
     moments: FloatArray = (weight * times[around]).sum(axis=1) / weight.sum(axis=1)
     return moments
 

@@ -69,7 +69,7 @@ def test_knocks_at_both_ends_give_start_and_drift(tmp_path, start, drift, seed):
     clock, codes = aligned(tmp_path, truth, blows, 600, seed)
     assert (clock.basis, codes) == ("knocks", ["clock_knocks"])
     assert error_s(clock, truth, 600) < 0.006
-    assert clock.drift_ppm == pytest.approx(drift, abs=8)
+    assert clock.drift_ppm == pytest.approx(drift, abs=6)
     assert clock.sigma_s < 0.005
 
 

@@ -1,0 +1,194 @@
+"""Proposes leaks: runs the chosen detector, places what it finds on the path with a 95 % interval, and labels it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from processing.errors import ErrorCode, LeaklineError
+from processing.position.distance import NORMAL_95, places_at, times_at
+from processing.progress import Progress, silent
+from processing.settings import DetectorSettings
+from processing.sound.cells import CELL_M, Cells, band_log_power, cells_of, frames_of
+from processing.sound.envelope import find_by_envelope
+from processing.sound.level_along import LevelAlong, level_along
+from processing.sound.metres import find_in_metres
+from processing.sound.scan import SoundScan
+from processing.sound.spots import Listening, Spot
+from processing.survey import (
+    Candidate,
+    Channel,
+    ClockMap,
+    Finding,
+    LeakClass,
+    Severity,
+    Stretch,
+    Survey,
+    Track,
+)
+
+__all__ = ["DETECTORS", "Heard", "LevelAlong", "find_candidates"]
+
+# One row a method; ``survey.processing.detector`` names it, ``auto`` chooses.
+DETECTORS: Mapping[str, Callable[[Listening], list[Spot]]] = {
+    "envelope": find_by_envelope,
+    "metres": find_in_metres,
+}
+
+_METRES_AT_LEAST_M = 15.0  # below it there are not enough cells for the statistics of the bands
+_UNHEARD_S = 1.0
+_BUMP_SHARE = 0.5
+_LIKELY = 0.5
+_STAND_S = 2.0
+_FADE_DB = 3.0
+_NAN_PLACE = (float("nan"), float("nan"), float("nan"))
+
+
+@dataclass(frozen=True)
+class Heard:
+    """What one run of the detector gives: candidates, best first; the level along the pipe; what was not heard."""
+
+    candidates: tuple[Candidate, ...]
+    along: LevelAlong | None
+    findings: tuple[Finding, ...] = ()
+    not_assessed: tuple[Stretch, ...] = ()
+
+
+def find_candidates(
+    scan: SoundScan,
+    clock: ClockMap,
+    track: Track | None,
+    survey: Survey,
+    settings: DetectorSettings,
+    progress: Progress | None = None,
+    not_assessed: Sequence[Stretch] = (),
+) -> Heard:
+    """Return the candidates on the path, best score first, and the level along it.
+
+    Without a track there are candidates in time only: their chainage, interval, width and position are NaN, and there
+    is no level along the pipe. No candidate lies in a stretch of ``not_assessed`` that concerns the sound, nor where
+    ``scan`` was silent, interrupted or clipped, nor (with a track) while the device stood still.
+
+    Raises:
+        LeaklineError: SETTING_INVALID for a detector that does not exist.
+    """
+    progress = progress or silent()
+    progress.update(0.0, "leaks_searching")
+    frames = frames_of(scan, clock, track, not_assessed, settings)
+    cells = cells_of(scan, frames) if track is not None else None
+    progress.update(0.5)
+    listening = Listening(scan, frames, cells, settings)
+    method, findings = _method(survey.processing.detector, cells, track, settings)
+    spots = DETECTORS[method](listening) if frames.counts.any() and (track is None or cells is not None) else []
+    progress.update(0.9)
+    placed = [_placed(spot, track if cells is not None else None, clock, listening) for spot in spots]
+    placed.sort(key=lambda candidate: -candidate.score)
+    candidates = tuple(_numbered(candidate, number) for number, candidate in enumerate(placed, 1))
+    band = (float(scan.bands_hz[-1, 0]), float(scan.bands_hz[-1, 1]))
+    progress.update(1.0)
+    return Heard(
+        candidates=candidates,
+        along=level_along(cells, band, settings) if cells is not None else None,
+        findings=findings,
+        not_assessed=_unheard(scan, clock, track),
+    )
+
+
+def _method(
+    wanted: str, cells: Cells | None, track: Track | None, settings: DetectorSettings
+) -> tuple[str, tuple[Finding, ...]]:
+    """Return the detector to use, and why it is not the one that was asked for."""
+    if wanted not in ("auto", *DETECTORS):
+        allowed = ", ".join(("auto", *DETECTORS))
+        raise LeaklineError(ErrorCode.SETTING_INVALID, name="processing.detector", value=wanted, allowed=allowed)
+    length_m = float(np.count_nonzero(cells.heard)) * CELL_M if cells is not None else 0.0
+    if track is not None and cells is None:
+        return "envelope", (Finding("sound_misses_path", Severity.WARNING),)
+    params = {"length_m": length_m}
+    if cells is None or length_m < _METRES_AT_LEAST_M:
+        if wanted == "metres":
+            return "envelope", (Finding("detector_needs_path", Severity.WARNING, params),)
+        return "envelope", (Finding("detector_envelope", Severity.INFO, params),) if wanted == "auto" else ()
+    if wanted != "auto":
+        return wanted, ()
+    if length_m >= settings.metres_from_m:
+        return "metres", (Finding("detector_metres", Severity.INFO, params),)
+    return "envelope", (Finding("detector_envelope", Severity.INFO, params),)
+
+
+def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listening) -> Candidate:
+    """Return the candidate of a spot: its interval holds the path's, the clock's and the sound's own doubt."""
+    evidence = {**spot.evidence, "sigma_sound_m": spot.sigma if track is not None else float("nan")}
+    nan = float("nan")
+    if track is None:
+        leak_class = _class_of(spot, evidence)
+        return Candidate(
+            id=0, time_s=spot.place, chainage_m=nan, chainage_low95_m=nan, chainage_high95_m=nan,
+            position_w_m=_NAN_PLACE, score=spot.score, level_db=spot.level_db, leak_class=leak_class,
+            band_hz=spot.band_hz, width_m=nan, evidence=evidence,
+        )  # fmt: skip
+    reached, left = times_at(track, spot.place)
+    time_s = 0.5 * float(reached[0] + left[0])
+    at = places_at(track, time_s)
+    moving = listening.frames.counts & (np.abs(listening.frames.chainage_m - spot.place) <= 1.0)
+    speed = float(np.median(listening.frames.speed_mps[moving])) if moving.any() else 0.0
+    sigmas = (float(at.sigma_along_m[0]), clock.sigma_s * speed, spot.sigma)
+    half = NORMAL_95 * float(np.sqrt(np.square(sigmas).sum()))
+    evidence |= {"sigma_path_m": sigmas[0], "sigma_clock_m": sigmas[1], "speed_mps": speed}
+    evidence |= _standing(spot, listening)
+    east, north, up = (float(x) for x in at.position_w_m[0])
+    return Candidate(
+        id=0,
+        time_s=time_s,
+        chainage_m=spot.place,
+        chainage_low95_m=spot.place - half,
+        chainage_high95_m=spot.place + half,
+        position_w_m=(east, north, up),
+        score=spot.score,
+        level_db=spot.level_db,
+        leak_class=_class_of(spot, evidence),
+        band_hz=spot.band_hz,
+        width_m=spot.width,
+        evidence=evidence,
+    )
+
+
+def _standing(spot: Spot, listening: Listening) -> dict[str, str | float]:
+    """Return how long the device stood at the spot and how much the sound changed meanwhile.
+
+    A leak goes on while the device stands; what comes and goes then belongs to a moment, not to a place.
+    """
+    frames, scan = listening.frames, listening.scan
+    still = (frames.speed_mps < listening.settings.min_speed_mps) & (np.asarray(scan.state) == 0)
+    still &= np.abs(frames.chainage_m - spot.place) <= max(spot.width, 0.5)
+    seconds = float(np.count_nonzero(still)) * scan.frame_s
+    if seconds < _STAND_S:
+        return {"stood_s": seconds}
+    inside = np.sqrt(scan.bands_hz[:-1, 0] * scan.bands_hz[:-1, 1])
+    wins = np.flatnonzero((inside >= spot.band_hz[0]) & (inside <= spot.band_hz[1]))
+    power = np.exp([band_log_power(scan, int(b))[still] for b in wins]).sum(axis=0) if len(wins) else np.zeros(0)
+    size = max(1, round(1.0 / scan.frame_s))
+    seconds_db = 10 * np.log10([chunk.mean() for chunk in np.array_split(power, max(1, len(power) // size))])
+    return {"stood_s": seconds, "faded_db": float(np.ptp(seconds_db))}
+
+
+def _class_of(spot: Spot, evidence: Mapping[str, str | float]) -> LeakClass:
+    if float(evidence.get("impulsive_share", 0.0)) > _BUMP_SHARE:
+        return LeakClass.BUMP
+    if float(evidence.get("faded_db", 0.0)) > max(_FADE_DB, 0.5 * spot.level_db):
+        return LeakClass.TRAFFIC
+    return LeakClass.LEAK if spot.score >= _LIKELY else LeakClass.UNKNOWN
+
+
+def _unheard(scan: SoundScan, clock: ClockMap, track: Track | None) -> tuple[Stretch, ...]:
+    """Return where the path goes on and the sound does not."""
+    if track is None:
+        return ()
+    begin, end = (float(t) for t in clock.to_survey(np.array([0.0, scan.duration_s])))
+    first, last = float(track.time_s[0]), float(track.time_s[-1])
+    spans = ((first, min(begin, last)), (max(end, first), last))
+    return tuple(Stretch(a, b, Channel.SOUND, "no_sound") for a, b in spans if b - a > _UNHEARD_S)
+
+
+def _numbered(candidate: Candidate, number: int) -> Candidate:
+    return replace(candidate, id=number)
