@@ -19,6 +19,7 @@ from processing.orientation.magnetometer import MagnetometerVerdict, judge_magne
 from processing.orientation.mahony import mahony
 from processing.orientation.recursion import Estimate
 from processing.orientation.samples import BLOCK_ROWS, TrustedSamples, trusted_samples
+from processing.orientation.smoothed_heading import smoothed_vqf
 from processing.orientation.vqf_filters import bias_in_motion, offline_vqf, vqf
 from processing.progress import Progress
 from processing.settings import OrientationSettings
@@ -42,6 +43,7 @@ class Estimator:
 
 ESTIMATORS: tuple[Estimator, ...] = (
     Estimator("offline_vqf", "offline_vqf", True, False, offline_vqf, "Laidig, Seel 2023"),
+    Estimator("smoothed_vqf", "smoothed_vqf", True, False, smoothed_vqf, "Laidig, Seel 2023, with a smoothed heading"),
     Estimator("vqf", "vqf", True, False, vqf, "Laidig, Seel 2023"),
     Estimator("ekf7", "ekf7", True, False, ekf7, "Akkaya, Talu 2017"),
     Estimator("madgwick", "madgwick", True, False, madgwick, "Madgwick, Harrison, Vaidyanathan 2011"),
@@ -51,6 +53,7 @@ ESTIMATORS: tuple[Estimator, ...] = (
     Estimator("device", "device", False, False, device, "the recorder"),
 )
 DEFAULT = "offline_vqf"
+DEFAULT_WITH_FIELD = "smoothed_vqf"
 
 
 def estimator(name: str) -> Estimator:
@@ -71,9 +74,10 @@ def estimate_attitude(
 ) -> tuple[Attitude, Calibration, tuple[Finding, ...]]:
     """Return the attitude at every sample, the calibration it rests on, and what the operator should know.
 
-    ``survey.processing.orientation`` names the estimator; ``auto`` takes offline VQF, with the magnetometer where it is
-    trusted, and the device's own quaternions only where there is no gyro. ``Attitude.reason`` says why. Unless
-    ``heading_from`` is ``magnetometer`` or ``device`` the yaw is arbitrary (:mod:`processing.orientation.start`).
+    ``survey.processing.orientation`` names the estimator; ``auto`` takes offline VQF, where the magnetometer is trusted
+    with a heading smoothed from it, and the device's own quaternions only where there is no gyro. ``Attitude.reason``
+    says why. Unless ``heading_from`` is ``magnetometer`` or ``device`` the yaw is arbitrary
+    (:mod:`processing.orientation.start`).
 
     Raises:
         LeaklineError: TOO_FEW_SAMPLES; SETTING_INVALID for an unknown estimator, or ``device`` without quaternions.
@@ -124,7 +128,7 @@ def _choose(imu: ImuSamples, survey: Survey, verdict: MagnetometerVerdict) -> tu
         return estimator(survey.processing.orientation), "orientation_chosen"
     if _has_no_gyro(imu) and imu.quat_ws is not None:
         return estimator("device"), "orientation_auto_no_gyro"
-    return estimator(DEFAULT), f"orientation_auto_{verdict.reason}"
+    return estimator(DEFAULT_WITH_FIELD if verdict.trusted else DEFAULT), f"orientation_auto_{verdict.reason}"
 
 
 def _sensor_findings(samples: TrustedSamples, chosen: Estimator, verdict: MagnetometerVerdict) -> list[Finding]:

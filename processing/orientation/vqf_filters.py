@@ -6,6 +6,7 @@ samples divided by the median period: the integrated angles stay those of the tr
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -75,6 +76,11 @@ def offline_vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> 
             progress.update(stop / samples.count, "orientation_attitude")
     fill_untrusted(samples, quat, bias)
     return Estimate(quat, bias)
+
+
+def offline_vqf_without_field(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimate:
+    """Return :func:`offline_vqf` with six axes, whatever the magnetometer says."""
+    return offline_vqf(replace(samples, field=None), yaw_rad, progress)
 
 
 def bias_in_motion(samples: TrustedSamples) -> tuple[FloatArray, FloatArray]:
