@@ -60,6 +60,17 @@ class RowFile:
         self._part.unlink(missing_ok=True)
 
 
+def read_blocks(path: Path, rows: int) -> Iterator[npt.NDArray[np.generic]]:
+    """Yield the array in a .npy file, ``rows`` at a time, by plain reads: a map's pages would count as our memory."""
+    with path.open("rb") as file:
+        np.lib.format.read_magic(file)
+        shape, _, dtype = np.lib.format.read_array_header_2_0(file)
+        per_row = int(np.prod(shape[1:], dtype=np.int64))
+        for start in range(0, shape[0], rows):
+            count = min(rows, shape[0] - start)
+            yield np.fromfile(file, dtype, count * per_row).reshape(count, *shape[1:])
+
+
 def load_rows(path: Path) -> npt.NDArray[np.generic]:
     """Return the array in a .npy file as a read-only memory map.
 

@@ -14,14 +14,14 @@ import numpy.typing as npt
 
 from processing.sound.analysis import TILE_FLOOR_DB, TILE_STEP_DB, Bytes, Halves, power_of, scaled_hann, to_tile
 from processing.sound.bands import Grid
-from processing.sound.rows import RowFile, load_rows
+from processing.sound.rows import RowFile, load_rows, read_blocks
 from processing.sound.source import AudioReader
 from processing.survey import AudioSource, FloatArray
 
 PLANES = ("max", "mean")
 _TILE_FACTOR, _TILE_TOP = 4, 1024
 _WAVE_FACTOR, _WAVE_TOP = 16, 4096
-_READ_BLOCK = 1 << 14
+_READ_BLOCK = 1 << 12
 _DETAIL_BLOCK = 64
 _TILE_POWER = (10.0 ** ((TILE_FLOOR_DB + TILE_STEP_DB * np.arange(256)) / 10)).astype(np.float32)
 
@@ -154,11 +154,9 @@ def build_upper_levels(folder: Path, grid: Grid) -> None:
     for plane in PLANES:
         pool = _max_of_rows if plane == "max" else _mean_of_rows
         for level in range(1, _tile_level_count(grid)):
-            source = np.asarray(load_rows(tile_path(folder, plane, level - 1)))
-            _pool_file(source, tile_path(folder, plane, level), _TILE_FACTOR, pool)
+            _pool_file(tile_path(folder, plane, level - 1), tile_path(folder, plane, level), _TILE_FACTOR, pool)
     for level in range(1, _wave_level_count(grid)):
-        source = np.asarray(load_rows(wave_path(folder, level - 1)))
-        _pool_file(source, wave_path(folder, level), _WAVE_FACTOR, _wave_of_rows)
+        _pool_file(wave_path(folder, level - 1), wave_path(folder, level), _WAVE_FACTOR, _wave_of_rows)
 
 
 def load_pyramids(folder: Path, grid: Grid) -> tuple[TilePyramid, WavePyramid]:
@@ -208,16 +206,11 @@ def _level_count(rows: int, factor: int, top: int) -> int:
     return count
 
 
-def _pool_file(
-    source: npt.NDArray[Any],
-    path: Path,
-    factor: int,
-    pool: Callable[[npt.NDArray[Any]], npt.NDArray[Any]],
-) -> None:
-    out = RowFile(path, source.dtype, -(-len(source) // factor), source.shape[1])
+def _pool_file(fine: Path, coarse: Path, factor: int, pool: Callable[[npt.NDArray[Any]], npt.NDArray[Any]]) -> None:
+    whole_map = load_rows(fine)
+    out = RowFile(coarse, whole_map.dtype, -(-len(whole_map) // factor), whole_map.shape[1])
     try:
-        for start in range(0, len(source), _READ_BLOCK):
-            block = source[start : start + _READ_BLOCK]
+        for block in read_blocks(fine, _READ_BLOCK):
             whole = len(block) // factor * factor
             if whole:
                 out.add(pool(block[:whole].reshape(-1, factor, block.shape[1])))
