@@ -19,6 +19,7 @@ import numpy as np
 
 from processing.orientation import kernels
 from processing.orientation import quaternions as qt
+from processing.orientation.binning import BinSums
 from processing.orientation.calibration import Calibration
 from processing.orientation.samples import Block, TrustedSamples
 from processing.progress import Progress
@@ -113,15 +114,12 @@ def _piece(bins: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _bin(samples: TrustedSamples, segment: tuple[int, int], progress: Progress) -> FloatArray:
     """Return per second (m, 25): rows, specific force (3), J and K side by side (3 × 6), the spin's shares (3)."""
     start = float(samples.times(segment[0], segment[0] + 1)[0])
-    end = float(samples.times(segment[1] - 1, segment[1])[0])
-    sums = np.zeros((int((end - start) / _BIN_S) + 1, 25))
+    sums = BinSums(start, _BIN_S, 25, most_empty=1)
     q = np.array(qt.IDENTITY)
     for block in samples.blocks(segment):
-        index = ((block.time_s - start) / _BIN_S).astype(np.intp)
-        edges = np.flatnonzero(np.diff(index, prepend=-1))
-        sums[index[edges]] += np.add.reduceat(_row_terms(block, q), edges)
+        sums.add(block.time_s, _row_terms(block, q))
         progress.update(block.stop / samples.count, "orientation_calibration")
-    return sums
+    return sums.result().sums
 
 
 def _row_terms(block: Block, q: FloatArray) -> FloatArray:

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from processing.orientation.binning import BinSums, IndexArray
 from processing.settings import OrientationSettings
 from processing.survey import BoolArray, FloatArray, ImuSamples
 
@@ -18,8 +18,6 @@ _BINS_A_WINDOW = 4
 _BLOCK_ROWS = 1 << 18
 _AS_QUIET = 3.0
 _RESOLUTION = np.array([0.005, np.radians(0.02)])  # m/s², rad/s: finer differences of quiet are no matter
-
-IndexArray = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -47,9 +45,9 @@ class Rest:
 
 @dataclass(frozen=True)
 class _Sums:
-    """Per bin: number of valid samples, sums and sums of squares of acc and gyr side by side (m, 6)."""
+    """Per bin: where it starts, number of valid samples, sums and sums of squares of acc and gyr (m, 6)."""
 
-    start_s: float
+    start_s: FloatArray
     count: FloatArray
     first: FloatArray
     second: FloatArray
@@ -103,21 +101,14 @@ def _deviations(sums: _Sums) -> FloatArray:
 
 
 def _bin_sums(imu: ImuSamples) -> _Sums:
-    start = float(imu.time_s[0])
-    bins = int((imu.time_s[-1] - start) / _BIN_S) + 1
-    count, first, second = np.zeros(bins), np.zeros((bins, 6)), np.zeros((bins, 6))
+    collected = BinSums(float(imu.time_s[0]), _BIN_S, 13, most_empty=_BINS_A_WINDOW)
     for a in range(0, len(imu.time_s), _BLOCK_ROWS):
         rows = slice(a, a + _BLOCK_ROWS)
         valid = imu.valid[rows]
-        index = ((imu.time_s[rows][valid] - start) / _BIN_S).astype(np.intp)
         values = np.hstack([imu.acc_s_mps2[rows][valid], imu.gyr_s_radps[rows][valid]])
-        if not len(index):
-            continue
-        edges = np.flatnonzero(np.diff(index, prepend=-1))
-        count[index[edges]] += np.diff(edges, append=len(index))
-        first[index[edges]] += np.add.reduceat(values, edges)
-        second[index[edges]] += np.add.reduceat(values * values, edges)
-    return _Sums(start, count, first, second)
+        collected.add(imu.time_s[rows][valid], np.hstack([np.ones((len(values), 1)), values, values * values]))
+    bins = collected.result()
+    return _Sums(bins.start_of, bins.sums[:, 0], bins.sums[:, 1:7], bins.sums[:, 7:])
 
 
 def _quiet_bins(sums: _Sums, rate_hz: float, settings: OrientationSettings) -> BoolArray:
@@ -152,5 +143,5 @@ def _rest(sums: _Sums, bins: IndexArray) -> Rest:
     count = float(sums.count[bins].sum())
     mean = sums.first[bins].sum(axis=0) / count
     std = np.sqrt(np.maximum(sums.second[bins].sum(axis=0) / count - mean * mean, 0.0))
-    start, end = sums.start_s + _BIN_S * bins[0], sums.start_s + _BIN_S * (bins[-1] + 1)
+    start, end = sums.start_s[bins[0]], sums.start_s[bins[-1]] + _BIN_S
     return Rest(float(start), float(end), int(count), mean[3:], std[3:], mean[:3], std[:3])

@@ -167,3 +167,11 @@ def test_the_progress_rises_to_one(imu):
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1.0
     assert {p for _, p in seen} <= set(messages.table("progress"))
+
+
+@pytest.mark.parametrize("method", [e.name for e in ESTIMATORS])
+def test_a_clock_that_jumps_by_years_costs_no_memory(imu, method):
+    late = replace(imu, time_s=np.where(imu.time_s < 8.0, imu.time_s, imu.time_s + 1e10))
+    attitude, calibration, _ = estimate(late, chosen(method), magnetometer="use")
+    assert np.all(np.isfinite(attitude.quat_ws))
+    assert all(r.duration_s < 10.0 for r in calibration.rests)

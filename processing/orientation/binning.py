@@ -1,0 +1,64 @@
+"""Sums of rows over bins of time, block by block, in memory that follows the rows and not the span of their stamps.
+
+A log whose clock jumps by years has few rows and would have billions of bins: stretches without rows are cut short.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from processing.survey import FloatArray
+
+IndexArray = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Bins:
+    """Bins in order of time: ``number`` (m,) says which, counted from time ``start_s``; ``sums`` (m, k), 0 if empty."""
+
+    start_s: float
+    width_s: float
+    number: IndexArray
+    sums: FloatArray
+
+    @property
+    def start_of(self) -> FloatArray:
+        """Where each bin begins (m,)."""
+        return np.asarray(self.start_s + self.width_s * self.number, dtype=np.float64)
+
+
+class BinSums:
+    """Collects rows in order of time; ``most_empty`` bins at most stand for a stretch without any."""
+
+    def __init__(self, start_s: float, width_s: float, terms: int, most_empty: int) -> None:
+        self._start_s, self._width_s, self._most_empty = start_s, width_s, most_empty
+        self._numbers: list[IndexArray] = []
+        self._sums: list[FloatArray] = [np.zeros((0, terms))]
+
+    def add(self, time_s: FloatArray, terms: FloatArray) -> None:
+        """Add rows at times (m,), none before those already added, with terms (m, k)."""
+        if not len(time_s):
+            return
+        number = np.floor((time_s - self._start_s) / self._width_s).astype(np.intp)
+        edges = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
+        found, sums = number[edges], np.add.reduceat(terms, edges)
+        if self._numbers and self._numbers[-1][-1] == found[0]:
+            self._sums[-1][-1] += sums[0]
+            found, sums = found[1:], sums[1:]
+        if len(found):
+            self._numbers.append(found)
+            self._sums.append(sums)
+
+    def result(self) -> Bins:
+        """Return all bins from the first to the last with rows, empty ones between them included, up to the limit."""
+        sums = np.concatenate(self._sums)
+        if not self._numbers:
+            return Bins(self._start_s, self._width_s, np.zeros(0, dtype=np.intp), sums)
+        number = np.concatenate(self._numbers)
+        place = np.concatenate([[0], np.cumsum(np.minimum(np.diff(number), self._most_empty + 1))])
+        every = np.arange(place[-1] + 1)
+        left = np.searchsorted(place, every, side="right") - 1
+        filled = np.zeros((len(every), sums.shape[1]))
+        filled[place] = sums
+        return Bins(self._start_s, self._width_s, number[left] + every - place[left], filled)
