@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from processing.survey import FloatArray, Track
 from widgets.plan_geometry import PlanScale, band_outline, runs
-from widgets.plot_paint import free_box, paint_tag
+from widgets.plot_paint import edges_of, free_box, paint_tag
 from widgets.plot_scale import multiples, nice_step, number_text, tick_digits
 from widgets.plot_theme import Theme
 
@@ -143,11 +143,13 @@ class Labels:
 
     def __init__(self, painter: QPainter, theme: Theme, within: QRectF) -> None:
         self._painter, self._theme, self._within = painter, theme, within
-        self._taken: list[QRectF] = []
+        self._taken: list[tuple[float, float, float, float]] = []
 
     def keep_free(self, centre: QPointF, radius: float) -> None:
         """Let no name cover this mark."""
-        self._taken.append(QRectF(centre.x() - radius, centre.y() - radius, 2 * radius, 2 * radius))
+        x, y = centre.x(), centre.y()
+        if self._within.adjusted(-radius, -radius, radius, radius).contains(centre):
+            self._taken.append((x - radius, y - radius, x + radius, y + radius))
 
     def write(self, text: str, about: QPointF, away: float, *, strong: bool = False) -> bool:
         """Write a name; False where there was no room."""
@@ -155,10 +157,11 @@ class Labels:
             return False
         metrics = self._theme.metrics()
         width = metrics.horizontalAdvance(text) + 8
-        box = free_box(width, metrics.height(), about, away, self._taken, self._within)
+        taken = np.array(self._taken, dtype=np.float64).reshape(-1, 4)
+        box = free_box(width, metrics.height(), about, away, taken, self._within)
         if box is None:
             return False
-        self._taken.append(box)
+        self._taken.append(edges_of(box))
         paint_tag(self._painter, self._theme, text, box, strong=strong)
         return True
 

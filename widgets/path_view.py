@@ -65,6 +65,7 @@ class PathView(QWidget):
         self._fitted = True
         self._pixmap, self._stale = QPixmap(), True
         self._mark_pixmaps: VerdictMarks | None = None
+        self._painted_cursor: QPointF | None = None
         self._pressed: QPointF | None = None
         self._scale_pressed = self._scale
         self._dragged = False
@@ -203,7 +204,10 @@ class PathView(QWidget):
             and not QRectF(self.rect()).adjusted(8, 8, -8, -8).contains(place)
         ):
             self.centre_on(*self._scale.metres(place.x(), place.y()))
-        self.update()
+        # only what the mark covers is laid down again
+        for centre in (self._painted_cursor, self._cursor_pixel()):
+            if centre is not None:
+                self.update(QRectF(centre.x() - 26, centre.y() - 26, 52, 52).toAlignedRect())
 
     # --- painting -----------------------------------------------------------------------------------------------
 
@@ -222,6 +226,7 @@ class PathView(QWidget):
             painter.begin(self)
             painter.drawPixmap(0, 0, self._pixmap)
             place, ahead = self._cursor_pixel(), self._cursor_pixel(self._cursor.time_s + 1.0)
+            self._painted_cursor = place
             if place is not None:
                 paint_cursor(painter, self._theme, place, ahead)
         except Exception:  # noqa: BLE001  # handed on

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen, qRgba
+from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen
 
 from processing.survey import FloatArray
 from widgets.plot_scale import Scale
@@ -58,9 +58,16 @@ def paint_columns(
     if height == 0:
         return
     image = QImage(picture.data, width, height, width, QImage.Format.Format_Indexed8)
-    red, green, blue, alpha = colour.red(), colour.green(), colour.blue(), colour.alpha()
-    image.setColorTable([qRgba(red, green, blue, alpha * k // 255) for k in range(256)])
+    image.setColorTable(_shades(colour))
     painter.drawImage(QRectF(rect.left(), rect.top() + first / ratio, rect.width(), height / ratio), image)
+
+
+def _shades(colour: QColor) -> list[int]:
+    """Return a colour in 256 steps of opacity, 0xaarrggbb."""
+    opacity = np.arange(256, dtype=np.uint32) * np.uint32(colour.alpha()) // np.uint32(255)
+    opaque = np.uint32(colour.rgb() & 0xFFFFFF)
+    shades: list[int] = ((opacity << np.uint32(24)) | opaque).tolist()
+    return shades
 
 
 def paint_y_axis(
@@ -128,25 +135,38 @@ def paint_tag(painter: QPainter, theme: Theme, text: str, box: QRectF, *, strong
 
 
 def free_box(
-    width: float, height: float, about: QPointF, away: float, taken: Sequence[QRectF], within: QRectF
+    width: float, height: float, about: QPointF, away: float, taken: FloatArray, within: QRectF
 ) -> QRectF | None:
-    """Return a box of this size beside ``about`` that overlaps nothing ``taken`` and stays ``within``, or None."""
-    x, y = about.x(), about.y()
-    corners = (
-        (x + away, y - height / 2),
-        (x - width / 2, y - away - height),
-        (x - width / 2, y + away),
-        (x - away - width, y - height / 2),
-        (x + 0.7 * away, y - 0.7 * away - height),
-        (x + 0.7 * away, y + 0.7 * away),
-        (x - 0.7 * away - width, y - 0.7 * away - height),
-        (x - 0.7 * away - width, y + 0.7 * away),
+    """Return a box of this size beside ``about`` that overlaps nothing ``taken`` and stays ``within``, or None.
+
+    ``taken`` (n, 4) are left, top, right and bottom of boxes.
+    """
+    x, y, part = about.x(), about.y(), 0.7 * away
+    corners = np.array(
+        (
+            (x + away, y - height / 2),
+            (x - width / 2, y - away - height),
+            (x - width / 2, y + away),
+            (x - away - width, y - height / 2),
+            (x + part, y - part - height),
+            (x + part, y + part),
+            (x - part - width, y - part - height),
+            (x - part - width, y + part),
+        )
     )
-    for left, top in corners:
-        box = QRectF(left, top, width, height)
-        if within.contains(box) and not any(box.intersects(other) for other in taken):
-            return box
-    return None
+    low, high = corners, corners + np.array((width, height))
+    inside = np.all((low >= (within.left(), within.top())) & (high <= (within.right(), within.bottom())), axis=1)
+    apart = (taken[None, :, 0:2] >= high[:, None]) | (taken[None, :, 2:4] <= low[:, None])
+    free = np.flatnonzero(inside & np.all(np.any(apart, axis=2), axis=1))
+    if len(free) == 0:
+        return None
+    left, top = corners[free[0]]
+    return QRectF(float(left), float(top), width, height)
+
+
+def edges_of(box: QRectF) -> tuple[float, float, float, float]:
+    """Return left, top, right and bottom, as :func:`free_box` takes them."""
+    return box.left(), box.top(), box.right(), box.bottom()
 
 
 def paint_legend(painter: QPainter, rect: QRectF, theme: Theme, entries: Sequence[tuple[str, str]]) -> None:

@@ -12,7 +12,7 @@ from processing.survey import Candidate, Channel, TiePoint, Track
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid, joined
 from widgets.linked_plot import Readout
-from widgets.plot_paint import free_box, paint_columns, paint_tag
+from widgets.plot_paint import edges_of, free_box, paint_columns, paint_tag
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
@@ -70,7 +70,7 @@ class ProfileView(CurvePlot):
         self._paint_tie_points(painter, rect)
 
     def _paint_tie_points(self, painter: QPainter, rect: QRectF) -> None:
-        taken: list[QRectF] = []
+        taken: list[tuple[float, float, float, float]] = []
         metrics = self._theme.metrics()
         colour = QColor(self._theme.tie_point)
         for tie in self._tie_points:
@@ -85,9 +85,10 @@ class ProfileView(CurvePlot):
             else:
                 painter.drawRect(QRectF(x - 4, y - 4, 8, 8))
             width = metrics.horizontalAdvance(tie.name) + 8
-            box = free_box(width, metrics.height(), QPointF(x, y), 6, taken, rect)
+            blocked = np.array(taken, dtype=np.float64).reshape(-1, 4)
+            box = free_box(width, metrics.height(), QPointF(x, y), 6, blocked, rect)
             if box is not None and tie.name:
-                taken.append(box)
+                taken.append(edges_of(box))
                 paint_tag(painter, self._theme, tie.name, box)
 
     def _mark_centre(self, candidate: Candidate) -> QPointF | None:

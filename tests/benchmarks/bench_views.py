@@ -1,8 +1,8 @@
 """Frame times of the views over an hour of survey, in multiples of a bare image blit of the same size.
 
-Run it by hand: ``python tests/benchmarks/bench_views.py [width] [height]``. A frame is all that the window's thread does
-for one step of panning or zooming, from the cursor's signal to the painted pixels; reads by workers run beside it.
-``cpu`` is the time of that thread alone, which other work on the machine does not stretch; ``wall`` is what one waits.
+Run it by hand: ``python tests/benchmarks/bench_views.py [width] [height]``. A frame is all that the window's thread
+does for one step of panning or zooming, from the cursor's signal to the painted pixels; reads by workers run beside it.
+``cpu`` is the time of that thread alone, which other work stretches little; ``wall`` is what one waits.
 """
 
 import os
@@ -28,7 +28,7 @@ from widgets.time_cursor import TimeCursor
 
 HOUR_S = 3600.0
 COLUMN_S = 0.186
-FRAMES = 60
+FRAMES, WARM_UP = 64, 4
 
 
 class MemoryTiles:
@@ -113,11 +113,11 @@ def measured(application, views, step, others=()):
     """Return (wall, cpu) times in ms of frames: ``step(k)`` and the painting of ``views``."""
     frames = []
     for k in range(FRAMES):
-        wall, cpu = time.perf_counter(), time.thread_time()
-        step(k)
         # a repaint of one paints all that are due: the others are put off, so that one can be measured alone
         for other in others:
             other.setUpdatesEnabled(False)
+        wall, cpu = time.perf_counter(), time.thread_time()
+        step(k)
         for view in views:
             view.repaint()
         application.processEvents()  # pictures that have been read arrive here: part of the frame
@@ -126,7 +126,7 @@ def measured(application, views, step, others=()):
             other.setUpdatesEnabled(True)
         time.sleep(0.01)
         application.processEvents()
-    return frames
+    return frames[WARM_UP:]
 
 
 def build(cursor, window):

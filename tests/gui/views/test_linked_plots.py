@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QWheelEvent
 from PySide6.QtTest import QTest
 
@@ -11,7 +11,7 @@ from widgets.imu_view import ImuView
 from widgets.level_view import LevelCurves, LevelView
 from widgets.overview_strip import OverviewStrip
 from widgets.path_view import PathView
-from widgets.plot_paint import coverage, free_box
+from widgets.plot_paint import coverage, edges_of, free_box
 from widgets.plot_scale import Scale, ScaleKind, hertz_text, number_text
 from widgets.plot_theme import LIGHT, SUN, THEMES, VERDICT_SIGNS
 from widgets.profile_view import ProfileView
@@ -361,11 +361,11 @@ def test_thick_noisy_curves_are_covered_exactly():
 
 
 def test_names_find_a_place_that_is_free_or_none():
-    from PySide6.QtCore import QRectF
-
     within, about = QRectF(0, 0, 200, 100), QPointF(100, 50)
     taken = []
-    while (box := free_box(40, 12, about, 8, taken, within)) is not None:
+    while (
+        box := free_box(40, 12, about, 8, np.array([edges_of(t) for t in taken]).reshape(-1, 4), within)
+    ) is not None:
         assert within.contains(box)
         assert not box.contains(about)
         assert not any(box.intersects(other) for other in taken)
