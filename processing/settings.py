@@ -119,7 +119,7 @@ class PositionSettings:
     still_gyr_dps: float = tunable(45.0, "°/s", 0.5, 200.0, "rate of a standstill; a standing foot still rolls")
     still_change_mps2: float = tunable(0.04, "m/s²", 0.005, 5.0, "least change of acceleration that counts as moving")
     still_min_s: float = tunable(0.15, "s", 0.02, 10.0, "a shorter quiet moment is no standstill")
-    still_margin_s: float = tunable(0.1, "s", 0.0, 2.0, "the edge of a carried device's standstill still moves")
+    still_margin_s: float = tunable(0.2, "s", 0.0, 2.0, "the edge of a carried device's standstill still moves")
     inertial_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "accelerometer scale of consumer MEMS")
     velocity_walk: float = tunable(
         0.004, "m/s/√s", 0.0001, 1.0, "least error of integrated acceleration; stops raise it"
@@ -169,6 +169,7 @@ class DetectorSettings:
     min_score: float = tunable(0.2, "", 0.0, 1.0, "93 % of leaks at two false ones a kilometre (acoustics §5.2)")
     max_candidates: float = tunable(200.0, "", 1.0, 10000.0, "more than anybody reviews in a day")
     metres_from_m: float = tunable(100.0, "m", 30.0, 5000.0, "auto: shorter runs give metre statistics too few metres")
+    rolling_phase: str = choice("on", ("on", "off"), "weigh the quiet half of each turn more (acoustics §5.1 step 2)")
     envelope_smooth_s: float = tunable(4.0, "s", 0.2, 60.0, "best of the envelope finder (acoustics §5.2)")
     envelope_background_s: float = tunable(
         30.0, "s", 2.0, 600.0, "half window of its background where no path is known"

@@ -9,10 +9,11 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.position.distance import NORMAL_95, places_at, times_at
 from processing.progress import Progress, silent
 from processing.settings import DetectorSettings
-from processing.sound.cells import CELL_M, Cells, band_log_power, cells_of, frames_of
+from processing.sound.cells import CELL_M, Cells, Frames, band_log_power, cells_of, frames_of
 from processing.sound.envelope import find_by_envelope
 from processing.sound.level_along import LevelAlong, level_along
 from processing.sound.metres import find_in_metres
+from processing.sound.rolling_noise import RollingNoise, listened_bands, rolling_noise, turned_angle
 from processing.sound.scan import SoundScan
 from processing.sound.spots import Listening, Spot
 from processing.survey import (
@@ -20,7 +21,9 @@ from processing.survey import (
     Channel,
     ClockMap,
     Finding,
+    ImuSamples,
     LeakClass,
+    Motion,
     Severity,
     Stretch,
     Survey,
@@ -62,6 +65,7 @@ def find_candidates(
     settings: DetectorSettings,
     progress: Progress | None = None,
     not_assessed: Sequence[Stretch] = (),
+    imu: ImuSamples | None = None,
 ) -> Heard:
     """Return the candidates on the path, best score first, and the level along it.
 
@@ -69,13 +73,27 @@ def find_candidates(
     is no level along the pipe. No candidate lies in a stretch of ``not_assessed`` that concerns the sound, nor where
     ``scan`` was silent, interrupted or clipped, nor (with a track) while the device stood still.
 
+    Args:
+        scan: what the pass over the sound measured; its last band is the chosen one.
+        clock: audio to survey time.
+        track: the path; None where there is none.
+        survey: names the detector and how the device moves.
+        settings: of the detectors.
+        progress: told a few times.
+        not_assessed: stretches to leave out besides those of ``scan``.
+        imu: with it the noise of a rolling ball is weighed by the phase of its turning.
+
     Raises:
         LeaklineError: SETTING_INVALID for a detector that does not exist.
     """
     progress = progress or silent()
     progress.update(0.0, "leaks_searching")
     frames = frames_of(scan, clock, track, not_assessed, settings)
-    cells = cells_of(scan, frames) if track is not None else None
+    rolling = None
+    if track is not None and imu is not None and survey.device.motion is Motion.ROLLING:
+        rolling = _rolling(scan, frames, imu, settings)
+    progress.update(0.1)
+    cells = cells_of(scan, frames, rolling) if track is not None else None
     progress.update(0.5)
     listening = Listening(scan, frames, cells, settings)
     method, findings = _method(survey.processing.detector, cells, track, settings)
@@ -85,6 +103,8 @@ def find_candidates(
     placed.sort(key=lambda candidate: -candidate.score)
     candidates = tuple(_numbered(candidate, number) for number, candidate in enumerate(placed, 1))
     band = (float(scan.bands_hz[-1, 0]), float(scan.bands_hz[-1, 1]))
+    if rolling is not None:
+        findings += (Finding("rolling_heard", Severity.INFO, {"share_pct": 100 * rolling.heard_share}),)
     progress.update(1.0)
     return Heard(
         candidates=candidates,
@@ -92,6 +112,16 @@ def find_candidates(
         findings=findings,
         not_assessed=_unheard(scan, clock, track),
     )
+
+
+def _rolling(scan: SoundScan, frames: Frames, imu: ImuSamples, settings: DetectorSettings) -> RollingNoise | None:
+    bands = listened_bands(scan.bands_hz[:-1])
+    if settings.rolling_phase == "off" or not len(bands) or not frames.counts.any():
+        return None
+    level = np.zeros(len(frames.time_s), np.float32)
+    for band in bands:
+        level += band_log_power(scan, int(band)) / np.float32(len(bands))
+    return rolling_noise(level, turned_angle(imu, frames.time_s), frames.counts, scan.frame_s)
 
 
 def _method(

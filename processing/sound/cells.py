@@ -1,6 +1,6 @@
 """Brings band levels from seconds to metres: cells of a quarter metre along the pipe, bumps taken out first.
 
-Steps 1, 3, 4 and 5 of the detector measured in acoustics §5.1.
+Steps 3, 4 and 5 of the detector measured in acoustics §5.1.
 """
 
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from scipy import ndimage
 
 from processing.settings import DetectorSettings
 from processing.sound.background import bridged, robust_sigma, running_median
+from processing.sound.rolling_noise import RollingNoise
 from processing.sound.scan import SoundScan
 from processing.survey import BoolArray, Channel, ClockMap, FloatArray, Stretch, Track
 
@@ -81,11 +82,12 @@ def band_log_power(scan: SoundScan, band: int) -> npt.NDArray[np.float32]:
     return logarithm
 
 
-def cells_of(scan: SoundScan, frames: Frames) -> Cells | None:
+def cells_of(scan: SoundScan, frames: Frames, rolling: RollingNoise | None = None) -> Cells | None:
     """Return the sound along the pipe; None where no frame counts.
 
     A cell holds the mean power of the frames within half a metre, weighted to its middle: one turn of a usual ball, so
-    that most of the rotation's modulation averages out.
+    that most of the rotation's modulation averages out. Where the ``rolling`` noise m of each frame is known, frames
+    weigh 1/m²: the best an energy detector can do in noise of that power.
     """
     keep = frames.counts
     if np.count_nonzero(keep) < 2:
@@ -100,10 +102,12 @@ def cells_of(scan: SoundScan, frames: Frames) -> Cells | None:
     for band in range(bands):
         logarithm = band_log_power(scan, band)
         power = np.exp(logarithm)
-        good = keep & ~impulses(logarithm, keep)
-        total = _spread(np.bincount(cell[keep], power[keep], count).astype(np.float64))
-        kept = _spread(np.bincount(cell[good], power[good], count).astype(np.float64))
-        number = _spread(np.bincount(cell[good], minlength=count).astype(np.float64))
+        lift = rolling.modulation(logarithm, keep) if rolling is not None else np.ones(len(power), np.float32)
+        good = keep & ~impulses(logarithm - np.log(lift), keep)
+        weight = 1.0 / np.square(lift.astype(np.float64))
+        total = _spread(np.bincount(cell[keep], (weight * power)[keep], count).astype(np.float64))
+        kept = _spread(np.bincount(cell[good], (weight * power)[good], count).astype(np.float64))
+        number = _spread(np.bincount(cell[good], weight[good], count).astype(np.float64))
         known = (number > 0) & (kept > 0)
         if not known.any():
             log_power[:, band], removed[:, band] = np.nan, 0.0
