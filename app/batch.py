@@ -46,7 +46,7 @@ def process_folder(path: Path, out: Path, overrides: list[str], language: str, p
 def _process_project(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
     with SurveyFolder.open(path, read_only=True) as folder:
         survey, settings = _overridden(folder.read_survey(), folder.read_settings(), overrides)
-        options = ImportOptions.from_json(folder.read_import_options())
+        options = ImportOptions.from_json(folder.read_import_options(), folder.original_dir)
         files = folder.files()
         recording = read_recording(folder.original_dir, options, settings.importing, folder.cache(), progress, files)
         results = process(survey, recording, settings, folder.cache(), progress.part(0.3, 0.9))

@@ -19,6 +19,8 @@ from PySide6.QtCore import QObject, Signal, qVersion
 
 log = logging.getLogger("leakline.crash")
 
+SHOWN_CHARACTERS = 240  # the log has the rest
+
 DISTRIBUTIONS = ("leakline", "PySide6-Essentials", "pyqtgraph", "numpy", "scipy", "soundfile", "sounddevice", "typst")
 
 
@@ -55,7 +57,8 @@ class CrashGuard(QObject):
     def tell(self, error: BaseException) -> None:
         """Log ``error`` with its traceback and announce it."""
         log.error("unexpected: %s", "".join(traceback.format_exception(error)))
-        self.crashed.emit("".join(traceback.format_exception_only(error)).strip())
+        line = " ".join("".join(traceback.format_exception_only(error)).split())
+        self.crashed.emit(line if len(line) <= SHOWN_CHARACTERS else line[:SHOWN_CHARACTERS] + " …")
 
     def _on_main(self, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         if issubclass(kind, KeyboardInterrupt):

@@ -6,16 +6,13 @@ from PySide6.QtCore import QCoreApplication
 
 from processing import messages
 from widgets.candidate_table import CandidateRow
-from widgets.vocabulary import class_text, clock_text, number
+from widgets.vocabulary import class_text, clock_text, frequency_text, number
 
 # what is said of a candidate, and from which value on it is worth a line
 WORTH_SAYING = {
     "stood_s": 3.0,
     "faded_db": 3.0,
-    "impulsive_share": 0.05,
-    "sigma_path_m": 0.0,
-    "sigma_sound_m": 0.0,
-    "sigma_clock_m": 0.05,
+    "impulsive_share": 0.1,
 }
 
 
@@ -29,14 +26,14 @@ def evidence_text(row: CandidateRow, language: str) -> str:
         text = QCoreApplication.translate("Evidence", "Leak with {percent} % probability; looks like: {kind}.")
         lines.append(text.format(percent=number(100.0 * candidate.score, 0), kind=class_text(candidate.leak_class)))
         text = QCoreApplication.translate(
-            "Evidence", "{level} dB above its surroundings at {low}–{high} Hz, {width} m wide."
+            "Evidence", "{level} dB above its surroundings from {low} to {high}, {width} m wide."
         )
         low, high = candidate.band_hz
         lines.append(
             text.format(
                 level=number(candidate.level_db, 1),
-                low=number(low, 0),
-                high=number(high, 0),
+                low=frequency_text(low),
+                high=frequency_text(high),
                 width=number(candidate.width_m, 1),
             )
         )
@@ -47,4 +44,8 @@ def evidence_text(row: CandidateRow, language: str) -> str:
         value = candidate.evidence.get(key)
         if isinstance(value, float | int) and math.isfinite(value) and value >= least:
             lines.append(messages.text("evidence", key, language, value=value))
+    sigmas = [candidate.evidence.get(key) for key in ("sigma_path_m", "sigma_sound_m", "sigma_clock_m")]
+    if all(isinstance(sigma, float) and math.isfinite(sigma) for sigma in sigmas):
+        path, sound, clock = (number(float(sigma), 2) for sigma in sigmas if sigma is not None)
+        lines.append(messages.text("evidence", "sigmas", language, path=path, sound=sound, clock=clock))
     return "\n".join(lines)

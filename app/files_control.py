@@ -12,10 +12,11 @@ from PySide6.QtWidgets import QFileDialog, QWidget
 from app import opening
 from app.data_page import DataPage
 from app.jobs import Job, Jobs
-from app.preview_content import imported_files, previewed_files
+from app.preview_content import errors_of, imported_files, previewed_files
 from app.review_commands import EditSurvey
-from app.settings import PreferencesStore, surveys_folder
+from app.settings import PreferencesStore, mappings_file, surveys_folder
 from app.survey_session import SurveySession
+from processing import messages
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.importing.column_mapping import ColumnMapping
 from processing.progress import Progress
@@ -25,7 +26,8 @@ from widgets.message_boxes import Choice, MessageBoxes
 from widgets.raw_form import RawAnswer
 
 if TYPE_CHECKING:
-    from processing.importing.folder import FolderPreview, ImportOptions
+    from processing.importing.folder import ImportOptions
+    from processing.importing.preview import FolderPreview
     from processing.results import Results
 
 log = logging.getLogger(__name__)
@@ -50,6 +52,7 @@ class FilesControl(QObject):
         self._session, self._jobs, self._preferences, self._page = session, jobs, preferences, page
         self._boxes, self._window = boxes, parent
         self._preview: FolderPreview | None = None
+        self._options: ImportOptions | None = None  # what the operator said of the previewed folder
         self._job: Job | None = None
         page.process_asked.connect(self.process)
         page.survey_edited.connect(self._edit_survey)
@@ -122,8 +125,6 @@ class FilesControl(QObject):
         self._load(show="leaks")
 
     def _offer_way_out(self, path: Path, error: LeaklineError, *, tried_take_over: bool) -> bool:
-        from processing import messages
-
         sentence = messages.error_sentence(error, self._boxes().language)
         cancel = Choice("cancel", self.tr("Cancel"))
         if error.code is ErrorCode.SURVEY_LOCKED:
@@ -160,48 +161,55 @@ class FilesControl(QObject):
     def _look_at(self, path: Path, options: "ImportOptions | None" = None) -> None:
         from processing.importing.folder import ImportOptions
 
-        wanted = ImportOptions() if options is None else options
-        self._start(
-            lambda progress: opening.preview_of(path, wanted, progress),
-            self.tr("Looking at {name}").format(name=path.name),
-            self._show_preview if options is None else self._show_changed_preview,
-        )
+        wanted = ImportOptions(mapping_store=mappings_file()) if options is None else options
+
+        def show(preview: "FolderPreview") -> None:
+            self._options = wanted
+            if options is None:
+                self._show_preview(preview)
+            else:
+                self._show_files(preview)
+
+        title = self.tr("Looking at {name}").format(name=path.name)
+        self._start(lambda progress: opening.preview_of(path, wanted, progress), title, show)
 
     def _choose_mapping(self, name: str, mapping: ColumnMapping) -> None:
-        preview = self._preview
-        if preview is not None:
-            self._look_at(preview.path, opening.with_mapping(preview, name, mapping))
+        preview, options = self._preview, self._options
+        if preview is not None and options is not None:
+            log_file = next(file.path for file in preview.files if file.path.name == name)
+            self._look_at(preview.path, replace(options, imu_file=log_file, mapping=mapping))
 
     def _answer_raw_form(self, answer: RawAnswer) -> None:
-        preview = self._preview
-        if preview is not None:
-            self._look_at(preview.path, opening.with_raw_form(preview, answer))
+        if self._preview is not None and self._options is not None:
+            self._look_at(self._preview.path, opening.with_raw_form(self._options, answer))
 
     def _show_preview(self, preview: "FolderPreview") -> None:
         if self._session.folder is not None:
             self._session.close()
-        self._preview = preview
         self._page.set_survey(preview.survey, writable=True)
-        self._show_changed_preview(preview)
+        self._show_files(preview)
         self.page_asked.emit("data")
-        if preview.has_survey_file and preview.ready:
+        if opening.told_everything(preview):
             self.process()  # it told everything itself: nothing to ask
 
-    def _show_changed_preview(self, preview: "FolderPreview") -> None:
+    def _show_files(self, preview: "FolderPreview") -> None:
         self._preview = preview
         self._page.set_path(str(preview.path))
         self._page.preview.set_files(previewed_files(preview))
-        self._page.set_findings(preview.findings)
-        self._page.tie_points.set_moments(0.0, preview.end_s)
+        findings = [*preview.findings, *(finding for file in preview.files for finding in file.findings)]
+        language = self._boxes().language
+        notes = [messages.error_sentence(error, language) for error in errors_of(preview)]
+        self._page.set_findings(findings, (), notes)
+        self._page.tie_points.set_moments(0.0, opening.end_of(preview))
         self._show_process()
 
     def process(self) -> None:
         """Process the previewed folder, or the open survey again."""
-        if self._preview is None:
+        if self._preview is None or self._options is None:
             self.reprocess()
             return
         preview, survey = self._preview, self._page.survey
-        files = preview.paths
+        files, options = opening.used_files(preview), opening.settled(preview, self._options)
         place = opening.target_folder(preview.path, surveys_folder())
         earlier = opening.earlier_project(preview.path, files, survey, (place,))
         if earlier is not None:
@@ -211,20 +219,21 @@ class FilesControl(QObject):
         operator = survey.info.operator
 
         def made(path: Path) -> None:
-            if self.open_made(path, preview):
+            if self._open_made(path, options):
                 self.told.emit(self.tr("Survey made: {path}").format(path=path))
 
+        opening.remember(preview, options)
         self._start(
             lambda progress: opening.make_project(place, survey, files, operator, progress),
             self.tr("Copying the recording"),
             made,
         )
 
-    def open_made(self, path: Path, preview: "FolderPreview") -> bool:
-        """Open a survey folder that was just made, remembering how its files are to be read."""
+    def _open_made(self, path: Path, options: "ImportOptions") -> bool:
+        """Open a survey folder that was just made, remembering in it how its files are to be read."""
         try:
             folder = SurveyFolder.open(path)
-            folder.write_import_options(preview.options.to_json())
+            folder.write_import_options(options.to_json())
         except LeaklineError as error:
             self._boxes().error(error)
             return False
@@ -324,8 +333,9 @@ class FilesControl(QObject):
             return
         preview, session = self._preview, self._session
         if preview is not None:
-            state = "" if preview.ready else self.tr("Say what the columns hold, then it can be processed.")
-            self._page.set_process(self.tr("Process"), enabled=preview.ready, state=state)
+            ready = opening.is_ready(preview)
+            state = "" if ready else self.tr("Something is missing: see the findings and the list of files.")
+            self._page.set_process(self.tr("Process"), enabled=ready, state=state)
             return
         results = session.results
         fresh = results is not None and results.survey == session.survey

@@ -45,6 +45,8 @@ from widgets.start_page import StartPage
 from widgets.step_bar import StepBar
 
 REVIEW_PAGES = ("path", "sound", "leaks")
+LARGEST, FRAME = (1920, 1080), 32  # of the first start: the whole of a laptop's screen, less the title bar
+TOLD_MS = 15_000
 TOOLS = ("open", "undo", "redo", "mark", "export")
 
 
@@ -123,10 +125,19 @@ class MainWindow(QMainWindow):
         self._banner.setTextFormat(Qt.TextFormat.PlainText)
         self._banner.setWordWrap(True)
         self._strip = JobStrip(self._language)
+        self._told = QLabel()
+        self._told.setObjectName("told")
+        self._told.setTextFormat(Qt.TextFormat.PlainText)
+        self._told.setMargin(6)
+        self._told.hide()
+        self._told_timer = QTimer(self)
+        self._told_timer.setSingleShot(True)
+        self._told_timer.timeout.connect(self._told.hide)
         right = QVBoxLayout()
         right.setSpacing(0)
         right.addWidget(self._banner)
         right.addWidget(self._stack, 1)
+        right.addWidget(self._told)
         right.addWidget(self._strip)
         central = QWidget()
         layout = QHBoxLayout(central)
@@ -305,7 +316,9 @@ class MainWindow(QMainWindow):
         raise error  # the crash guard logs and tells it
 
     def _tell(self, text: str) -> None:
-        self.statusBar().showMessage(text, 15_000)
+        self._told.setText(text)
+        self._told.show()
+        self._told_timer.start(TOLD_MS)
 
     def _key_rows(self) -> list[KeyRow]:
         return [
@@ -379,7 +392,8 @@ class MainWindow(QMainWindow):
     def _restore(self) -> None:
         geometry = self._preferences.values.geometry
         if not geometry or not self.restoreGeometry(QByteArray(base64.b64decode(geometry))):
-            self.resize(1366, 700)
+            room = self.screen().availableGeometry()
+            self.resize(min(room.width(), LARGEST[0]), min(room.height() - FRAME, LARGEST[1]))
         actions.arm_keys(self.actions_by_id, typing=False)
 
     def _restore_splitters(self) -> None:
@@ -413,6 +427,7 @@ class MainWindow(QMainWindow):
         """Qt: put what is still being typed on disk; everything else is there already."""
         self.review_page.decision.flush()
         self.player.stop()
+        self._told_timer.stop()
         geometry = base64.b64encode(bytes(self.saveGeometry().data())).decode()
         self._preferences.change(geometry=geometry, splitters=dict(self._preferences.values.splitters))
         super().closeEvent(event)

@@ -1,24 +1,31 @@
 """The long steps behind opening and processing, as plain functions for a job's thread; they know no window."""
 
+import logging
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from processing.errors import LeaklineError
+from processing.importing.column_mapping import MappingStore
 from processing.importing.folder import ImportOptions
 from processing.progress import Progress
+from processing.sound.pcm import RawForm
 from processing.storage.creating import SUFFIX, create_folder, folder_name
 from processing.storage.folder import SurveyFolder
+from widgets.raw_form import RawAnswer
 
 if TYPE_CHECKING:
-    from processing.importing.folder import FolderPreview
+    from processing.importing.preview import FilePreview, FolderPreview
     from processing.results import Results
     from processing.settings import Settings
     from processing.storage.cache import Cache
     from processing.survey import ImportedFile, Survey
 
+log = logging.getLogger(__name__)
+
 TRIED_NAMES = 20
+SURE = 0.9  # a format that is surer than this need not be confirmed column by column
 
 
 @dataclass(frozen=True)
@@ -35,8 +42,7 @@ class Source:
 
 def source_of(folder: SurveyFolder) -> Source:
     """Gather it."""
-    stored: dict[str, Any] | None = folder.read_import_options()
-    options = ImportOptions() if stored is None else ImportOptions.from_json(stored)
+    options = ImportOptions.from_json(folder.read_import_options(), folder.original_dir)
     return Source(
         folder.original_dir, folder.files(), options, folder.read_survey(), folder.read_settings(), folder.cache()
     )
@@ -64,10 +70,71 @@ def results_of(source: Source, progress: Progress) -> "Results":
 
 def preview_of(path: Path, options: ImportOptions, progress: Progress) -> "FolderPreview":
     """Look at a device's folder."""
-    from processing.importing.folder import preview_folder
+    from processing.importing.preview import preview_folder
 
     progress.update(0.0, "importing")
     return preview_folder(path, options)
+
+
+def is_ready(preview: "FolderPreview") -> bool:
+    """Tell whether everything that was found can be read: at least the motion or the sound, and nothing is amiss."""
+    chosen = [file for file in preview.files if file.role in ("imu", "audio")]
+    return bool(chosen) and preview.error is None and all(file.error is None for file in chosen)
+
+
+def told_everything(preview: "FolderPreview") -> bool:
+    """Tell whether the folder needs no questions: it has a valid survey.toml, and its formats are known for sure."""
+    has_form = any(file.role == "survey" for file in preview.files)
+    return has_form and is_ready(preview) and not any(asks_for_columns(file) for file in preview.files)
+
+
+def asks_for_columns(file: "FilePreview") -> bool:
+    """Tell whether the operator should look at what the columns of a file are taken for."""
+    sure = bool(file.matches) and file.matches[0].confidence >= SURE and file.matches[0].format.name != "table"
+    return file.role == "imu" and file.mapping is not None and not sure
+
+
+def used_files(preview: "FolderPreview") -> tuple[Path, ...]:
+    """Return the files that belong to the recording: log, sound, form, and the log's siblings of the same format."""
+    log = next((file for file in preview.files if file.role == "imu"), None)
+    kind = log.matches[0].format.name if log is not None and log.matches else None
+
+    def is_sibling(file: "FilePreview") -> bool:
+        same = bool(file.matches) and file.matches[0].format.name == kind and kind != "table"
+        return file.role == "other" and log is not None and same and file.path.parent == log.path.parent
+
+    return tuple(f.path for f in preview.files if f.role in ("imu", "audio", "survey") or is_sibling(f))
+
+
+def settled(preview: "FolderPreview", options: ImportOptions) -> ImportOptions:
+    """Return the options with what the preview took for granted: a guessed or remembered mapping is now a told one."""
+    for file in preview.files:
+        if asks_for_columns(file) and options.mapping is None:
+            return replace(options, imu_file=file.path, mapping=file.mapping)
+    return options
+
+
+def remember(preview: "FolderPreview", options: ImportOptions) -> None:
+    """Keep a told mapping for the next file of its kind; a disc that refuses costs some clicks, not the survey."""
+    file = None if options.imu_file is None else preview.of(options.imu_file)
+    if file is None or file.layout is None or options.mapping is None or options.mapping_store is None:
+        return
+    try:
+        MappingStore(options.mapping_store).remember(file.layout, options.mapping)
+    except LeaklineError as error:
+        log.warning("the mapping was not remembered: %s", error)
+
+
+def with_raw_form(options: ImportOptions, answer: RawAnswer) -> ImportOptions:
+    """Return the options with the form of headerless sound."""
+    form = RawForm(answer.sample_rate_hz, answer.bits, answer.channels, answer.encoding, answer.endian)
+    return replace(options, raw_form=form)
+
+
+def end_of(preview: "FolderPreview") -> float | None:
+    """Return about when the log ends, seconds; None where that is not known before the import."""
+    log = next((file for file in preview.files if file.role == "imu"), None)
+    return None if log is None else log.duration_s
 
 
 def target_folder(source: Path, fallback: Path) -> Path:

@@ -88,7 +88,7 @@ class Player(QObject):
         self._close_reader: Callable[[], None] = lambda: None
         self._looping = False
         self._following = False
-        self._hint = ""
+        self._hint, self._reason = "", ""
         self._timer = QTimer(self)
         self._timer.setInterval(FOLLOW_MS)
         self._timer.timeout.connect(self._follow)
@@ -115,7 +115,8 @@ class Player(QObject):
 
     def set_unavailable(self, reason: str) -> None:
         """Switch listening off with a hint; an empty reason switches it on."""
-        self._hint = self.tr("No sound output on this computer: {reason}").format(reason=reason) if reason else ""
+        self._hint = self.tr("No sound card") if reason else ""
+        self._reason = reason
         self._show()
 
     def toggle(self) -> None:
@@ -235,7 +236,7 @@ class Player(QObject):
         hint = self._hint
         if not hint and (results is None or results.recording.audio is None):
             hint = self.tr("This survey has no sound.") if results is not None else " "
-        self._bar.set_available(hint)
+        self._bar.set_available(hint, self._reason)
         self._bar.set_playing(playing=self.playing and not self._looping, looping=self._looping)
 
 

@@ -52,7 +52,8 @@ class ReportControl(QObject):
         self._export(self._panel.language)
 
     def _export(self, language: str) -> None:
-        results, target = self._session.results, self._target()
+        results = self._session.results
+        target = self._target() if results is not None else None
         if results is None or target is None:
             return
         decisions = self._session.decisions

@@ -83,6 +83,11 @@ def config_folder() -> Path:
     return Path(platformdirs.user_config_dir("Leakline", appauthor=False))
 
 
+def mappings_file() -> Path:
+    """Return the file of remembered column mappings."""
+    return config_folder() / "column-mappings.json"
+
+
 def log_folder() -> Path:
     """Return the folder for the program's log."""
     return Path(platformdirs.user_log_dir("Leakline", appauthor=False))

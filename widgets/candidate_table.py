@@ -142,7 +142,7 @@ class CandidateModel(QAbstractTableModel):
             case 0:
                 return row.name
             case 1:
-                return verdict_text(decision.verdict)
+                return "" if decision.verdict is Verdict.NONE else verdict_text(decision.verdict)
             case 2:
                 return number(candidate.chainage_m, 1)
             case 3:

@@ -1,7 +1,7 @@
 """Buttons for listening: play, loop the candidate, volume; or a hint why this machine cannot play."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLabel, QPushButton, QSlider, QStyle, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QSlider, QStyle, QWidget
 
 
 class PlaybackBar(QWidget):
@@ -33,6 +33,7 @@ class PlaybackBar(QWidget):
         self._band.toggled.connect(self.band_changed)
         self._hint = QLabel()
         self._hint.setObjectName("playback_hint")
+        self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         for widget in (self._play, self._loop, self._band, self._volume):
@@ -48,12 +49,12 @@ class PlaybackBar(QWidget):
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its key is Space, everywhere on the page
         return button
 
-    def set_available(self, hint: str) -> None:
-        """Switch everything on, or off with ``hint`` saying why."""
+    def set_available(self, hint: str, reason: str = "") -> None:
+        """Switch everything on, or off with ``hint`` saying why; ``reason`` is the long story, as a tool tip."""
         for widget in (self._play, self._loop, self._volume, self._band):
             widget.setEnabled(not hint)
         self._hint.setText(hint)
-        self._hint.setToolTip(hint)
+        self._hint.setToolTip(reason)
 
     def set_playing(self, *, playing: bool, looping: bool) -> None:
         """Show what is going on."""

@@ -66,6 +66,11 @@ def number(value: float | None, digits: int) -> str:
     return QLocale().toString(float(value), "f", digits)
 
 
+def frequency_text(hz: float) -> str:
+    """Return a frequency to two digits or so: ``430 Hz``, ``3.9 kHz``."""
+    return f"{number(round(hz, -1), 0)} Hz" if hz < 999.5 else f"{number(hz / 1000.0, 1)} kHz"
+
+
 def clock_text(time_s: float) -> str:
     """Return survey seconds as ``h:mm:ss.t`` (``m:ss.t`` under an hour)."""
     sign = "−" if time_s < 0 else ""

@@ -1,10 +1,10 @@
 """The whole review with the keyboard alone: list, views and disk agree after each key."""
 
-import time
 from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from answering import AnsweringBoxes, CountingSink
 from PySide6.QtCore import QEvent, QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent, QKeySequence
 from PySide6.QtTest import QTest
@@ -24,41 +24,6 @@ from widgets.time_axis import AxisMode
 
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
 LETTERS = "ABCDEFGHJKLMNOPRSTUVYZXWQ"  # without I, whose dotted twin a Turkish keyboard has
-
-
-class CountingSink:
-    """A sound card that takes blocks at its own pace."""
-
-    latency_s = 0.0
-
-    def __init__(self):
-        self.frames, self.closed = 0, False
-
-    def write(self, block):
-        time.sleep(0.002)
-        self.frames += block.size
-
-    def close(self):
-        self.closed = True
-
-
-class AnsweringBoxes:
-    """Message boxes that note what they were asked and answer by themselves."""
-
-    language = "en"
-
-    def __init__(self):
-        self.told, self.answer = [], None
-
-    def error(self, error):
-        self.told.append(error.code)
-
-    def tell(self, text):
-        self.told.append(text)
-
-    def ask(self, text, choices):
-        self.told.append(text)
-        return self.answer or choices[-1].key
 
 
 @pytest.fixture
@@ -309,7 +274,8 @@ def test_without_a_sound_card_playing_is_off_with_a_hint(window, session):
     window.player.set_unavailable("no card")
     press(window, KEY.Key_Space)
     assert not window.player.playing
-    assert "no card" in window.review_page.playback._hint.text()
+    assert window.review_page.playback._hint.text()
+    assert "no card" in window.review_page.playback._hint.toolTip()
     assert not window.review_page.playback._play.isEnabled()
 
 

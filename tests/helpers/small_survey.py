@@ -14,6 +14,7 @@ from processing.survey import (
     Candidate,
     Channel,
     ClockMap,
+    DeviceInfo,
     Finding,
     ImuSamples,
     LeakClass,
@@ -29,22 +30,36 @@ from processing.survey import (
 RATE_HZ = 8000
 SPEED_MPS = 2.0
 DURATION_S = 50.0
+RADIUS_M = 0.1
 SURVEY = Survey(
     info=SurveyInfo("Station Road", "A. Şahin", "2026-05-04"),
+    device=DeviceInfo(radius_m=RADIUS_M),
     tie_points=(TiePoint("retrieval", DURATION_S, chainage_m=SPEED_MPS * DURATION_S),),
 )
 
 
-def make_folder(place):
-    """Write a device's folder and make a survey folder of it; returns it open."""
+def make_device_folder(place):
+    """Write a device's folder: rolling along x at constant speed, with noise for sound; returns it."""
     device = place / "device"
     device.mkdir(parents=True)
-    time_s = np.arange(0.0, DURATION_S, 0.1)
-    rows = "\n".join(f"{t:.2f},0,0,9.81,0,0,0" for t in time_s)
+    time_s = np.arange(0.0, DURATION_S, 0.02)
+    turning = np.where((time_s > 5.0) & (time_s < DURATION_S - 5.0), SPEED_MPS / RADIUS_M, 0.0)
+    angle = np.concatenate([[0.0], np.cumsum(turning[1:] * 0.02)])
+    zero = np.zeros_like(time_s)
+    exact = [-9.81 * np.sin(angle), zero, 9.81 * np.cos(angle), zero, turning, zero]
+    noise = np.random.default_rng(2).normal(0.0, [0.02] * 3 + [0.002] * 3, (len(time_s), 6))  # silence looks dead
+    table = np.column_stack([time_s, np.column_stack(exact) + noise])
+    rows = "\n".join(",".join(f"{value:.4f}" for value in row) for row in table)
     header = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps"
     (device / "imu.csv").write_text(f"{header}\n{rows}\n", encoding="utf-8")
     noise = np.random.default_rng(1).normal(0.0, 0.05, int(DURATION_S * RATE_HZ))
     soundfile.write(device / "audio.wav", noise, RATE_HZ, subtype="PCM_16")
+    return device
+
+
+def make_folder(place):
+    """Make a survey folder of a device's folder; returns it open."""
+    device = make_device_folder(place)
     return SurveyFolder.create(place, SURVEY, [device / "imu.csv", device / "audio.wav"])
 
 
