@@ -15,7 +15,9 @@ from processing.position.ties import Observation
 from processing.settings import PositionSettings
 from processing.survey import Finding, FloatArray, Severity, Survey
 
-_BASELINE_M = 3.0
+_SHORTEST_M = 3.0
+_BASELINES_M = (20.0, 12.0, 8.0, 5.0)
+_FITS_M = 0.02  # rms; a pipe bend within the baseline leaves ten times as much
 _UNKNOWN_RAD = float(np.pi / np.sqrt(3.0))  # the sigma of a heading that may be anything
 
 
@@ -54,7 +56,7 @@ def heading_start(
     if odometry.heading_from == "device":
         return HeadingStart(0.0, magnetic, drift, "device")
     if route is not None and first is not None:
-        east, north, _ = route.at(np.array([min(_BASELINE_M, 0.5 * float(route.chainage_m[-1]))]))[0]
+        east, north, _ = route.at(np.array([min(_SHORTEST_M, 0.5 * float(route.chainage_m[-1]))]))[0]
         origin = route.at(np.zeros(1))[0]
         turn = _wrapped(float(np.arctan2(north - origin[1], east - origin[0])) - first)
         return HeadingStart(turn, stated, drift, "route")
@@ -65,13 +67,27 @@ def heading_start(
 
 
 def initial_direction(odometry: Odometry) -> float | None:
-    """Return the yaw (rad) of the free path's first metres; None where the device never left."""
-    baseline = min(_BASELINE_M, 0.1 * float(odometry.chainage_m[-1]))
-    if baseline < 0.05:
+    """Return the yaw (rad) in which the free path sets out; None where the device never left.
+
+    A parabola through the launch is laid over the first metres, over as many as it fits: sway and weaving average out,
+    a gentle bend does not count.
+    """
+    total = float(odometry.chainage_m[-1])
+    if total < 0.5:
         return None
-    row = int(np.searchsorted(odometry.chainage_m, baseline))
-    east, north = odometry.position_w_m[row, :2]
-    return float(np.arctan2(north, east))
+    distinct, first = np.unique(odometry.chainage_m, return_index=True)
+    for baseline in (*(b for b in _BASELINES_M if b < 0.3 * total), min(_SHORTEST_M, 0.1 * total)):
+        at = np.linspace(0.0, baseline, 100)
+        east, north = (np.interp(at, distinct, axis[first]) for axis in odometry.position_w_m[:, :2].T)
+        chord = float(np.arctan2(north[-1], east[-1]))
+        along = east * np.cos(chord) + north * np.sin(chord)
+        aside = north * np.cos(chord) - east * np.sin(chord)
+        basis = np.column_stack([along, along**2])
+        (slope, bend), *_ = np.linalg.lstsq(basis, aside, rcond=None)
+        left = aside - basis @ np.array([slope, bend])
+        if float(np.sqrt(np.mean(left**2))) < _FITS_M:
+            return chord + float(np.arctan(slope))
+    return chord
 
 
 def route_turn(route: RouteLine, chainage_m: FloatArray, free_m: FloatArray) -> FloatArray:

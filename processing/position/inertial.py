@@ -9,14 +9,12 @@ Chainage is the length of the way without sway and vibration: the speed along th
 plain horizontal speed within a turn, whose corner a smoothed direction would cut; height enters smoothed.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from processing.orientation.quaternions import rotate, slerp_at
+from processing.orientation.quaternions import rotate
 from processing.position.error_model import Rows
-from processing.position.levelling import Levelling, WorldRows, find_levelling, integrated, upright
 from processing.position.odometry import (
     BLOCK_ROWS,
     Odometry,
@@ -26,7 +24,8 @@ from processing.position.odometry import (
     track_grid,
     usable_rows,
 )
-from processing.position.stillness import find_stillness, really_resting, resting_level, spans_of
+from processing.position.stillness import Felt, find_stillness, really_resting, resting_level, spans_of
+from processing.position.strapdown import levelled
 from processing.progress import Progress
 from processing.settings import PositionSettings
 from processing.survey import Attitude, BoolArray, Finding, FloatArray, ImuSamples, Motion, Severity, Survey
@@ -34,8 +33,10 @@ from processing.survey import Attitude, BoolArray, Finding, FloatArray, ImuSampl
 _SWAY_S = 0.35  # Gaussian sigma: takes 91 % off a sway of 1 Hz, all of steps at 2 Hz
 _TURN_RADPS = np.radians(30.0)  # sway leaves 5 °/s in the smoothed heading, a person's corner 60 °/s and more
 _CREEP_MPS = 0.02
-_KNOCK_S = 1.5
+_KNOCK_S = 12.0  # a row of knocks
 _FOOT_LEVEL_S = 1.0
+_MOMENT_S = 0.6
+_BLOW_MPS2 = 0.5
 
 
 def reckon(
@@ -55,20 +56,22 @@ def reckon(
         stillness = find_stillness(time_s, acc, gyr, settings)
     else:
         gravity = resting_level(acc, gyr, 1.0 / float(np.median(np.diff(time_s))))
-        pushes = _pushes(imu, attitude, index, gravity)
-        stillness = find_stillness(time_s, acc, gyr, settings, pushes, settings.still_margin_s)
+        stillness = find_stillness(time_s, acc, gyr, settings, _felt(imu, attitude, index, gravity))
     progress.update(0.2, "position_reckon")
     rests = spans_of(stillness.still)
     grid = track_grid(float(time_s[0]), float(time_s[-1]), settings.track_rate_hz)
     at_s = np.unique(np.concatenate([grid, time_s[rests.ravel()]]))
-    # a stance is too short and too hard to level by; without any quiet span there is only the estimator
+    # a stance is too short and too hard to level by
     long_enough = time_s[rests[:, 1]] - time_s[rests[:, 0]] > (_FOOT_LEVEL_S if on_foot else 0.0)
-    levelling = find_levelling(imu, attitude, index, rests[long_enough]) if np.any(long_enough) else None
-    worlds = _attitudes(imu, attitude, index, levelling)
-    velocity, position = _twice_integrated(imu, worlds, index, stillness.gravity_mps2, at_s, progress)
+    gravity = stillness.gravity_mps2
+    sums = levelled(imu, attitude, index, rests[long_enough], gravity, at_s, progress)
     if not on_foot:
-        first, last = (velocity[np.searchsorted(at_s, time_s[rests[:, edge]])] for edge in (0, 1))
-        rests = rests[really_resting(time_s[rests[1:, 0]] - time_s[rests[:-1, 1]], first, last)]
+        first, last = (sums.velocity_w_mps[np.searchsorted(at_s, time_s[rests[:, edge]])] for edge in (0, 1))
+        resting = really_resting(time_s[rests[1:, 0]] - time_s[rests[:-1, 1]], first, last)
+        if not np.all(resting):  # a long bend is quiet, but its specific force is not upright
+            rests = rests[resting]
+            sums = levelled(imu, attitude, index, rests, gravity, at_s, progress)
+    velocity, position = sums.velocity_w_mps, sums.position_w_m
     moves = _moving_stretches(time_s, rests)
     if not on_foot:
         moves = _without_knocks(moves, at_s, velocity, position)
@@ -88,7 +91,7 @@ def reckon(
         position_w_m=free,
         chainage_m=chainage,
         speed_mps=np.gradient(chainage, grid),
-        quat_ws=slerp_at(imu.time_s, attitude.quat_ws, grid),
+        quat_ws=sums.quat_ws[on_grid],
         along_var_m2=walked,
         cross_var_m2=walked,
         up_var_m2=walked,
@@ -128,51 +131,24 @@ def _sizes(vectors: FloatArray, index: Rows) -> FloatArray:
     return out
 
 
-def _twice_integrated(
-    imu: ImuSamples, worlds: Iterator[WorldRows], index: Rows, gravity_mps2: float, at_s: FloatArray, progress: Progress
-) -> tuple[FloatArray, FloatArray]:
-    """Velocity and position (m, 3) at ``at_s``, from rest and without any correction; exact for linear acceleration."""
-    velocity, position = np.zeros((len(at_s), 3)), np.zeros((len(at_s), 3))
-    v0, p0 = np.zeros(3), np.zeros(3)
-    for rows in worlds:
-        times = rows.time_s
-        acc_w = rotate(rows.quat_ws, imu.acc_s_mps2[index[rows.start : rows.stop]])
-        acc_w[:, 2] -= gravity_mps2
-        step = np.diff(times)[:, None]
-        v = v0 + cumulated(0.5 * step * (acc_w[1:] + acc_w[:-1]))
-        p = p0 + cumulated(v[:-1] * step + step**2 * (2.0 * acc_w[:-1] + acc_w[1:]) / 6.0)
-        stop = len(at_s) if rows.stop == len(index) else int(np.searchsorted(at_s, times[-1]))
-        wanted = slice(int(np.searchsorted(at_s, times[0])), stop)
-        left = np.clip(np.searchsorted(times, at_s[wanted], side="right") - 1, 0, len(times) - 2)
-        part = (at_s[wanted] - times[left])[:, None]
-        slope = (acc_w[left + 1] - acc_w[left]) / step[left]
-        velocity[wanted] = v[left] + part * acc_w[left] + 0.5 * part**2 * slope
-        position[wanted] = p[left] + part * v[left] + part**2 * (3.0 * acc_w[left] + part * slope) / 6.0
-        v0, p0 = v[-1], p[-1]
-        progress.update(0.2 + 0.7 * rows.stop / len(index), "position_reckon")
-    return velocity, position
+def _felt(imu: ImuSamples, attitude: Attitude, index: Rows, gravity_mps2: float) -> Felt:
+    from scipy.ndimage import uniform_filter1d
 
-
-def _attitudes(imu: ImuSamples, attitude: Attitude, index: Rows, levelling: Levelling | None) -> Iterator[WorldRows]:
-    """The attitude to integrate with, block by block: levelled at the quiet spans, or as the estimator gave it."""
-    if levelling is None:
-        for start in range(0, len(index) - 1, BLOCK_ROWS):
-            rows = index[start : start + BLOCK_ROWS + 1]
-            yield WorldRows(start, start + len(rows), imu.time_s[rows], attitude.quat_ws[rows])
-        return
-    for world in integrated(imu, attitude, index):
-        yield replace(world, quat_ws=upright(levelling, world))
-
-
-def _pushes(imu: ImuSamples, attitude: Attitude, index: Rows, gravity_mps2: float) -> FloatArray:
-    """Size (k,) of the world acceleration less gravity."""
-    out = np.empty(len(index))
+    push, change = np.empty(len(index)), np.empty(len(index))
+    width = max(round(_MOMENT_S / float(np.median(np.diff(imu.time_s[index])))), 1)
     for start in range(0, len(index), BLOCK_ROWS):
         rows = index[start : start + BLOCK_ROWS]
         acc_w = rotate(attitude.quat_ws[rows], imu.acc_s_mps2[rows])
         acc_w[:, 2] -= gravity_mps2
-        out[start : start + BLOCK_ROWS] = np.sqrt(np.einsum("ij,ij->i", acc_w, acc_w))
-    return out
+        push[start : start + BLOCK_ROWS] = np.sqrt(np.einsum("ij,ij->i", acc_w, acc_w))
+        # clipped, so that a blow does not shift the mean of its moment; a difference, since a gentle start is linear
+        mean = uniform_filter1d(np.clip(acc_w, -_BLOW_MPS2, _BLOW_MPS2), max(width // 4, 1), axis=0, mode="nearest")
+        ahead = np.minimum(np.arange(len(rows)) + width // 2, len(rows) - 1)
+        behind = np.maximum(np.arange(len(rows)) - width // 2, 0)
+        step, blow = mean[ahead] - mean[behind], acc_w - mean
+        size = np.maximum(np.einsum("ij,ij->i", step, step), np.einsum("ij,ij->i", blow, blow))
+        change[start : start + BLOCK_ROWS] = np.sqrt(size)
+    return Felt(push, change)
 
 
 def _moving_stretches(time_s: FloatArray, rests: Rows) -> Moves:
@@ -185,7 +161,7 @@ def _moving_stretches(time_s: FloatArray, rests: Rows) -> Moves:
 
 
 def _without_knocks(moves: Moves, at_s: FloatArray, velocity: FloatArray, position: FloatArray) -> Moves:
-    """Drop what moved only for a moment and came nowhere, or whose velocity never came back: a knock on the shell."""
+    """Drop what came nowhere, the more so when its velocity never came back either: knocks on the shell."""
     start, end = (np.searchsorted(at_s, moves.spans_s[:, edge]) for edge in (0, 1))
     duration = moves.spans_s[:, 1] - moves.spans_s[:, 0]
     gained = velocity[end] - velocity[start]

@@ -18,7 +18,8 @@ from processing.survey import BoolArray, FloatArray
 
 _LOW_PASS_HZ = 5.0
 _ENERGY_S = 0.1
-_CALM_RADPS = 0.03
+_LEAST_PUSH_MPS2 = 0.15
+_LOUDEST_MPS2 = 1.0
 _LONGEST_TRAVEL = 200  # quiet spans in one go, between bends or bumps
 _LOST_SHARE = 0.3
 _FASTEST_MPS = 2.0
@@ -33,17 +34,26 @@ class Stillness:
     gravity_mps2: float
 
 
+@dataclass(frozen=True)
+class Felt:
+    """The world acceleration less gravity (n,): ``push_mps2`` its size, ``change_mps2`` how much it changes within a
+    moment, which no tilt error disturbs.
+    """
+
+    push_mps2: FloatArray
+    change_mps2: FloatArray
+
+
 def find_stillness(
     time_s: FloatArray,
     acc_mps2: FloatArray,
     gyr_radps: FloatArray,
     settings: PositionSettings,
-    linear_mps2: FloatArray | None = None,
-    margin_s: float = 0.0,
+    felt: Felt | None = None,
 ) -> Stillness:
     """Return where a device with |a| ``acc_mps2`` (n,) and |ω| ``gyr_radps`` (n,) at ``time_s`` (n,) stands still.
 
-    ``linear_mps2`` (n,) is the size of the world acceleration less gravity; ``margin_s`` is taken off each standstill.
+    A carried device starts and stops gently: what it ``felt`` sharpens the search, and a margin is taken off each end.
 
     Source: P3 section 5.3 and P0 section 3 (Butterworth), Skog et al. 2010 (angular-rate energy).
     """
@@ -51,33 +61,49 @@ def find_stillness(
     gravity = resting_level(acc_mps2, gyr_radps, rate_hz)
     quiet = _low_passed(np.abs(acc_mps2 - gravity), rate_hz) < settings.still_acc_mps2
     quiet &= _smooth(gyr_radps**2, _ENERGY_S * rate_hz) < np.radians(settings.still_gyr_dps) ** 2
-    if linear_mps2 is not None:
-        push = _low_passed(linear_mps2, rate_hz)
-        # a tilt error is a push that never ends: at rest it sets the floor
-        calm = quiet & (_smooth(gyr_radps, _ENERGY_S * rate_hz) < _CALM_RADPS)
-        floor = float(np.median(push[calm])) if np.any(calm) else 0.0
-        quiet &= push < np.clip(3.0 * floor, settings.still_push_mps2, settings.still_acc_mps2)
+    if felt is not None:
+        # tremor is a change that never ends, and a tilt error a push: each standstill's own sets the floor
+        change = _low_passed(np.minimum(felt.change_mps2, _LOUDEST_MPS2), rate_hz)
+        floor = float(np.median(np.take(_windowed(change, rate_hz), _quietest(acc_mps2, gyr_radps, rate_hz), axis=0)))
+        quiet &= change < np.clip(3.0 * floor, settings.still_change_mps2, settings.still_acc_mps2)
+        push = _low_passed(np.minimum(felt.push_mps2, _LOUDEST_MPS2), rate_hz)
+        floor = float(np.median(push[quiet])) if np.any(quiet) else 0.0
+        quiet &= push < np.clip(3.0 * floor, _LEAST_PUSH_MPS2, settings.still_acc_mps2)
     # a gap in the samples says nothing about rest
     step = np.diff(time_s)
     gap = np.flatnonzero(step > 0.25)
     quiet[gap] = False
     quiet[gap + 1] = False
+    margin_s = settings.still_margin_s if felt is not None else 0.0
     return Stillness(_only_long(time_s, quiet, settings.still_min_s, margin_s), gravity)
 
 
 def resting_level(acc_mps2: FloatArray, gyr_radps: FloatArray, rate_hz: float) -> float:
     """Return |a| at rest: its median over the quietest quarter seconds, or standard gravity where that is not sane."""
-    width = max(round(0.25 * rate_hz), 1)
-    count = len(acc_mps2) // width
-    if count < 2:
+    if len(acc_mps2) < 2 * _window_rows(rate_hz):
         return _STANDARD_GRAVITY
-    acc = acc_mps2[: count * width].reshape(count, width)
-    gyr = gyr_radps[: count * width].reshape(count, width)
+    quietest = _quietest(acc_mps2, gyr_radps, rate_hz)
+    level = float(np.median(np.mean(_windowed(acc_mps2, rate_hz)[quietest], axis=1)))
+    return level if 9.0 < level < 10.6 else _STANDARD_GRAVITY
+
+
+def _quietest(acc_mps2: FloatArray, gyr_radps: FloatArray, rate_hz: float) -> npt.NDArray[np.intp]:
+    """The quietest fiftieth of all windows."""
+    acc, gyr = _windowed(acc_mps2, rate_hz), _windowed(gyr_radps, rate_hz)
     # a metre lever turns 1 rad/s into 1 m/s²: one common scale for both kinds of unrest
     unrest = np.std(acc, axis=1) + np.sqrt(np.mean(gyr**2, axis=1))
-    quietest = np.argsort(unrest, kind="stable")[: max(count // 50, 2)]
-    level = float(np.median(np.mean(acc[quietest], axis=1)))
-    return level if 9.0 < level < 10.6 else _STANDARD_GRAVITY
+    return np.argsort(unrest, kind="stable")[: max(len(unrest) // 50, 2)]
+
+
+def _windowed(values: FloatArray, rate_hz: float) -> FloatArray:
+    """Values (n,) as windows of a quarter second (k, w); a rest at the end is left out."""
+    width = min(_window_rows(rate_hz), len(values))
+    count = len(values) // width
+    return values[: count * width].reshape(count, width)
+
+
+def _window_rows(rate_hz: float) -> int:
+    return max(round(0.25 * rate_hz), 1)
 
 
 def really_resting(duration_s: FloatArray, first_mps: FloatArray, last_mps: FloatArray) -> BoolArray:

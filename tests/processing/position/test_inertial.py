@@ -8,7 +8,7 @@ from processing.position.inertial import arc_length
 from processing.position.registry import find_track
 from processing.position.stillness import find_stillness, resting_level, spans_of
 from processing.settings import PositionSettings
-from processing.survey import DeviceInfo, ImuSamples, Launch, Motion, Survey
+from processing.survey import Attitude, DeviceInfo, ImuSamples, Launch, Motion, Survey
 
 SETTINGS = PositionSettings()
 CARRIED = Survey(launch=Launch(heading_deg=90.0), device=DeviceInfo(motion=Motion.CARRIED))
@@ -149,7 +149,7 @@ def test_an_attitude_that_leans_into_each_push_does_not_shorten_the_way():
     run = carried_run([(3.0, 13.0, 1.0), (16.0, 26.0, 1.0)], 30.0, tremor=3.0)
     speed = np.gradient(run.chainage_m, run.imu.time_s)
     lean = qt.exp_map(np.column_stack([0 * speed, np.radians(1.0) * speed, 0 * speed]))
-    leaning = run.attitude.__class__(qt.multiply(lean, run.attitude.quat_ws), np.zeros(3), "made")
+    leaning = Attitude(qt.multiply(lean, run.attitude.quat_ws), np.zeros(3), "made")
     track = find_track(run.imu, leaning, CARRIED, SETTINGS)
     assert track.chainage_m[-1] == pytest.approx(run.chainage_m[-1], rel=0.003)
     assert path_error(track, run) < 0.05
@@ -174,3 +174,16 @@ def test_a_bump_during_smooth_travel_is_no_standstill():
     imu = ImuSamples(run.imu.time_s, acc, run.imu.gyr_s_radps, run.imu.valid)
     track = find_track(imu, run.attitude, CARRIED, SETTINGS)
     assert track.chainage_m[-1] == pytest.approx(run.chainage_m[-1], abs=0.1)
+
+
+def test_a_simulated_noise_free_carried_run_comes_back_within_a_centimetre_per_100_m():
+    from processing.simulation.run import simulate
+    from processing.simulation.surveys import noise_free
+
+    made = simulate(noise_free(Motion.CARRIED), 0)
+    length = made.motion.chainage_m[-1]
+    attitude = Attitude(made.motion.quat_ws, np.zeros(3), "truth")
+    track = find_track(made.imu, attitude, made.survey, SETTINGS)
+    truth = np.column_stack([np.interp(track.time_s, made.motion.time_s, c) for c in made.motion.position_w_m.T])
+    assert np.linalg.norm(track.position_w_m - (truth - truth[0]), axis=1).max() < 0.01 * length / 100.0
+    assert track.chainage_m[-1] == pytest.approx(length, abs=0.05)

@@ -8,7 +8,7 @@ from processing.position.distance import places_at
 from processing.position.registry import find_track
 from processing.position.rolling import travel
 from processing.settings import PositionSettings
-from processing.survey import Channel, DeviceInfo, ImuSamples, Launch, PipeInfo, Route, Survey
+from processing.survey import Attitude, Channel, DeviceInfo, ImuSamples, Launch, Motion, PipeInfo, Route, Survey
 
 SETTINGS = PositionSettings()
 
@@ -125,7 +125,7 @@ def test_the_rest_of_a_turning_world_adds_nothing():
     gyr = np.radians(0.05) + np.radians(0.1) * rng.standard_normal((len(time_s), 3))
     imu = ImuSamples(time_s, np.tile([0.0, 0.0, 9.81], (len(time_s), 1)), gyr, np.ones(len(time_s), bool))
     run = rolling_run([], 1.0)
-    still = run.attitude.__class__(np.tile([1.0, 0, 0, 0], (len(time_s), 1)), np.zeros(3), "truth")
+    still = Attitude(np.tile([1.0, 0, 0, 0], (len(time_s), 1)), np.zeros(3), "truth")
     assert find_track(imu, still, survey(), SETTINGS).chainage_m[-1] == 0.0
 
 
@@ -163,7 +163,7 @@ def test_a_gap_is_bridged_reported_and_widens_the_interval():
     run = rolling_run([(5.0, 106.0, 1.0)], 110.0)
     keep = (run.imu.time_s < 40.0) | (run.imu.time_s > 45.0)
     imu = ImuSamples(run.imu.time_s[keep], run.imu.acc_s_mps2[keep], run.imu.gyr_s_radps[keep], run.imu.valid[keep])
-    attitude = run.attitude.__class__(run.attitude.quat_ws[keep], np.zeros(3), "truth")
+    attitude = Attitude(run.attitude.quat_ws[keep], np.zeros(3), "truth")
     track = find_track(imu, attitude, survey(), SETTINGS)
     assert track.chainage_m[-1] == pytest.approx(100.0, abs=0.05)
     (stretch,) = track.not_assessed
@@ -182,3 +182,16 @@ def test_masked_rows_do_not_count():
     track = find_track(imu, run.attitude, survey(), SETTINGS)
     assert track.chainage_m[-1] == pytest.approx(100.0, abs=0.05)
     assert [s.reason for s in track.not_assessed] == ["imu_masked"]
+
+
+def test_a_simulated_noise_free_ball_comes_back_within_a_centimetre_per_100_m():
+    from processing.simulation.run import simulate
+    from processing.simulation.surveys import noise_free
+
+    made = simulate(noise_free(Motion.ROLLING), 0)
+    length = made.motion.chainage_m[-1]
+    attitude = Attitude(made.motion.quat_ws, np.zeros(3), "truth")
+    track = find_track(made.imu, attitude, made.survey, SETTINGS)
+    truth = np.column_stack([np.interp(track.time_s, made.motion.time_s, c) for c in made.motion.position_w_m.T])
+    assert np.linalg.norm(track.position_w_m - (truth - truth[0]), axis=1).max() < 0.01 * length / 100.0
+    assert track.chainage_m[-1] == pytest.approx(length, abs=0.01)
