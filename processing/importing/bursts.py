@@ -44,13 +44,26 @@ def rebuild(raw: RawImu, settings: ImportSettings) -> tuple[float, float]:
     lag = min(_LAG, max(len(time) // 4, 1))
     spans = index[lag:] - index[:-lag]
     period = float(np.median((time[lag:] - time[:-lag])[spans > 0] / spans[spans > 0]))
-    delay = time - period * index
-    edges = _real_gaps(time, delay, period, settings) if raw.counter is None else np.empty(0, dtype=np.intp)
+    edges = np.empty(0, dtype=np.intp)
+    if raw.counter is None:
+        edges = _real_gaps(time, time - period * index, period, settings)
     bounds = [0, *(edges + 1).tolist(), len(time)]
+    period = _common_slope(index, time, bounds)
+    delay = time - period * index
     for start, end in itertools.pairwise(bounds):
         smooth = _running_mean(delay[start:end], max(round(10.0 / period), 1))
         time[start:end] = period * index[start:end] + smooth
     return 1.0 / period, median_step
+
+
+def _common_slope(index: FloatArray, time: FloatArray, bounds: list[int]) -> float:
+    """The one period that fits all pieces between gaps best: a lag that is no multiple of the packets is biased."""
+    products = squares = 0.0
+    for start, end in itertools.pairwise(bounds):
+        centred = index[start:end] - index[start:end].mean()
+        products += float(np.dot(centred, time[start:end] - time[start:end].mean()))
+        squares += float(np.dot(centred, centred))
+    return products / squares
 
 
 def _even_index(raw: RawImu) -> FloatArray:
@@ -80,9 +93,11 @@ def _real_gaps(time: FloatArray, delay: FloatArray, period: float, settings: Imp
 
 
 def _running_mean(values: FloatArray, window: int) -> FloatArray:
-    """The mean over ``window`` samples; near the ends over what is there, extended as a constant."""
-    from scipy.ndimage import uniform_filter1d
-
+    """The mean over ``window`` samples, near the ends over those that are there."""
     if len(values) <= window:
         return np.full(len(values), float(values.mean()) if len(values) else 0.0)
-    return np.asarray(uniform_filter1d(values, window, mode="nearest"), dtype=np.float64)
+    origin = float(values[0])
+    sums = np.concatenate([[0.0], np.cumsum(values - origin)])
+    at = np.arange(len(values))
+    first, end = np.maximum(at - window // 2, 0), np.minimum(at + window // 2 + 1, len(values))
+    return np.asarray((sums[end] - sums[first]) / (end - first) + origin, dtype=np.float64)

@@ -19,6 +19,7 @@ from processing.survey import BoolArray, Channel, Finding, FloatArray, Severity,
 
 _RESTART_PAUSE_S = 1.0
 _WILD_S = 1e8
+_LOOK_BACK_ROWS = 2_000_000
 MIN_ROWS = 16
 
 
@@ -137,7 +138,7 @@ def _join_restarts(raw: RawImu, findings: list[Finding]) -> list[Stretch]:
     first_back = 0.0
     for number, fall in enumerate(falls):
         end = int(falls[number + 1]) + 1 if number + 1 < len(falls) else len(time)
-        if _fills_a_hole(time, int(fall), end, step):
+        if _fills_a_hole(raw, int(fall), end, step):
             continue
         back = float(time[: fall + 1].max() - time[fall + 1])
         first_back = first_back or back
@@ -155,16 +156,22 @@ def _join_restarts(raw: RawImu, findings: list[Finding]) -> list[Stretch]:
     return stretches
 
 
-def _fills_a_hole(time: FloatArray, fall: int, end: int, step: float) -> bool:
-    """True where the rows behind a fall belong in between earlier ones: late packets, not a new start."""
-    before, behind = time[: fall + 1], time[fall + 1 : end]
+def _fills_a_hole(raw: RawImu, fall: int, end: int, step: float) -> bool:
+    """True where the rows behind a fall are late packets or rows written twice, not those of a new start."""
+    begin = max(fall + 1 - _LOOK_BACK_ROWS, 0)
+    before, behind = raw.time[begin : fall + 1], raw.time[fall + 1 : end]
     behind = behind[behind <= before.max()]
-    if not len(behind) or behind[0] < before[0] or len(behind) > 50_000:
+    if not len(behind) or behind[0] < before[0]:
         return False
-    ordered = np.sort(before[-2_000_000:])
-    at = np.clip(np.searchsorted(ordered, behind), 1, len(ordered) - 1)
-    nearest = np.minimum(np.abs(ordered[at] - behind), np.abs(ordered[at - 1] - behind))
-    return bool(np.mean(nearest < 0.3 * step) < 0.5 or np.mean(nearest < 1e-9 * max(abs(float(behind[0])), 1.0)) > 0.9)
+    order = np.argsort(before, kind="stable")
+    at = np.clip(np.searchsorted(before[order], behind), 1, len(order) - 1)
+    left, right = before[order[at - 1]], before[order[at]]
+    nearest = np.where(behind - left < right - behind, order[at - 1], order[at])
+    taken = np.abs(before[nearest] - behind) < 0.3 * step
+    if np.mean(taken) < 0.5:
+        return True
+    twice = np.all(raw.acc[begin + nearest] == raw.acc[fall + 1 : fall + 1 + len(behind)], axis=1)
+    return bool(np.mean(twice) > 0.9)
 
 
 def _sort(raw: RawImu, findings: list[Finding]) -> None:

@@ -1,14 +1,8 @@
-"""The import doctor's look at units: g or m/s², °/s or rad/s, by size and by whether gyroscope and gravity agree.
-
-While the device turns, gravity seen from the sensor turns the other way: ``du/dt = −ω × u`` for the unit vector ``u``
-of the specific force. The slope ``k`` of the measured turn over the predicted one is 1 where all units are right,
-1/57.3 where °/s were taken for rad/s, 10 where the times are ten times too short.
-"""
-
-from dataclasses import dataclass
+"""The import doctor's look at units: g or m/s² by size, °/s or rad/s by whether gravity turns as the gyroscope says."""
 
 import numpy as np
 
+from processing.importing.coherence import coherence
 from processing.importing.raw import RawImu
 from processing.importing.rows import BLOCK_ROWS, thinned
 from processing.importing.units import AUTO, factor
@@ -17,9 +11,9 @@ from processing.survey import Finding, FloatArray, Severity
 _DEG = float(np.pi / 180.0)
 _NAMES = {"mps2": "m/s²", "g": "g", "mg": "mg", "cmps2": "cm/s²", "radps": "rad/s", "dps": "°/s", "mdps": "m°/s"}
 _ACC_SIZES = (("mps2", 6.0, 16.0), ("g", 0.6, 1.6), ("mg", 600.0, 1600.0))
-_SURE = 15.0
-_WINDOWS = 400
-_WINDOW_ROWS = 500
+_LEAD, _SIGMAS = 0.01, 5.0
+_CLEAR_LEAD, _CLEAR_SIGMAS = 0.15, 8.0  # to overrule what a header says
+_GOOD_SCORE = 0.6
 
 
 def settle_acc(raw: RawImu) -> list[Finding]:
@@ -52,81 +46,39 @@ def _scale(array: FloatArray, by: float) -> None:
             array[start : start + BLOCK_ROWS] *= by
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """How gyroscope and gravity agree: ``slope`` of measured over predicted turn, ``sureness`` in sigmas, ``share``
-    of the turn of gravity that the gyroscope explains (R²)."""
-
-    slope: float
-    sureness: float
-    share: float
-
-
-def agreement(time: FloatArray, acc: FloatArray, gyr: FloatArray) -> Agreement:
-    """Return how the turn of gravity in ``acc`` (n, 3) follows from ``gyr`` (n, 3) in rad/s over ``time`` (n,) in s."""
-    products = squares = turns = 0.0
-    count = 0
-    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    span = max(len(time) - _WINDOW_ROWS, 1)
-    starts = range(0, len(time), _WINDOW_ROWS) if span < _WINDOWS * _WINDOW_ROWS else range(0, span, span // _WINDOWS)
-    for start in starts:
-        part = slice(start, start + _WINDOW_ROWS)
-        measured, predicted = _turns(time[part], acc[part], gyr[part], step)
-        products += float(np.sum(measured * predicted))
-        squares += float(np.sum(predicted * predicted))
-        turns += float(np.sum(measured * measured))
-        count += measured.size
-    if count < 60 or squares <= 0.0 or turns <= 0.0:
-        return Agreement(float("nan"), 0.0, 0.0)
-    slope = products / squares
-    rest = max(turns - slope * products, 1e-12 * turns)
-    return Agreement(slope, slope / float(np.sqrt(rest / count / squares)), slope * products / turns)
-
-
-def _turns(time: FloatArray, acc: FloatArray, gyr: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    norm = np.linalg.norm(acc, axis=1)
-    typical = float(np.nanmedian(norm)) if np.isfinite(norm).any() else 0.0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        unit = acc / norm[:, None]
-        steps = np.diff(time)
-        good = np.isfinite(unit).all(axis=1) & np.isfinite(gyr).all(axis=1) & (np.abs(norm - typical) < 0.4 * typical)
-        pairs = good[1:] & good[:-1] & (steps > 0) & (steps < 2.5 * step)
-    middle = 0.5 * (unit[1:] + unit[:-1])
-    rate = 0.5 * (gyr[1:] + gyr[:-1])
-    predicted = -np.cross(rate, middle) * steps[:, None]
-    return (unit[1:] - unit[:-1])[pairs], predicted[pairs]
-
-
 def settle_gyr(raw: RawImu) -> list[Finding]:
     """Bring ``raw.gyr`` to rad/s, and times that are ten times wrong to seconds, by agreement with gravity."""
-    found = agreement(raw.time, raw.acc, raw.gyr)
-    sure = abs(found.sureness) > _SURE
     if raw.gyr_unit == AUTO:
-        return _find_unit(raw, found, sure)
-    if not sure or 0.5 < found.slope < 2.0:
-        return []
+        return _find_unit(raw)
     declared = raw.gyr_unit
     other = {"radps": "dps", "dps": "radps", "mdps": "dps", "mradps": "radps"}[declared]
     ratio = factor("gyr", other) / factor("gyr", declared)
+    found = coherence(raw.time, raw.acc, raw.gyr, (1.0, ratio, 10.0, 0.1, -1.0, 0.0))
+    best = found.best(found.factors)
+    lead, sigmas = found.margin(best, 1.0)
+    score = float(found.mean[found.factors.index(best)])
+    if best == 1.0 or lead < _CLEAR_LEAD or sigmas < _CLEAR_SIGMAS or score < _GOOD_SCORE:
+        return []
     params: dict[str, str | float] = {"found": _NAMES[other], "declared": _NAMES.get(declared, declared)}
-    if 0.5 < found.slope / ratio < 2.0:
+    if best == ratio:
         _scale(raw.gyr, ratio)
         raw.gyr_unit = other
         return [Finding("gyr_unit_mended", Severity.REPAIRED, params)]
-    for scale in (10.0, 0.1):
-        if 0.75 < found.slope / scale < 1.3 and found.share > 0.3:
-            raw.time *= scale
-            rate = 1.0 / float(np.median(np.diff(raw.time)))
-            return [Finding("time_ten_times", Severity.REPAIRED, {"factor": scale, "rate_hz": rate})]
-    return [Finding("gyr_disagrees", Severity.WARNING, {"slope": found.slope})]
+    if best in (10.0, 0.1):
+        raw.time *= best
+        rate = 1.0 / float(np.median(np.diff(raw.time)))
+        return [Finding("time_ten_times", Severity.REPAIRED, {"factor": best, "rate_hz": rate})]
+    return [Finding("gyr_disagrees", Severity.WARNING)]
 
 
-def _find_unit(raw: RawImu, found: Agreement, sure: bool) -> list[Finding]:
+def _find_unit(raw: RawImu) -> list[Finding]:
     """Nobody wrote the unit down: by the turn of gravity where there is enough, else by size and noise."""
-    if sure:
-        for unit in ("radps", "dps", "mdps"):
-            if 0.4 < found.slope / factor("gyr", unit) < 2.5:
-                return _as(raw, unit, "gyr_unit_found")
+    units = {factor("gyr", unit): unit for unit in ("radps", "dps", "mdps")}
+    found = coherence(raw.time, raw.acc, raw.gyr, tuple(units))
+    best = found.best(found.factors)
+    margins = [found.margin(best, f) for f in found.factors if f != best]
+    if min(lead for lead, _ in margins) > _LEAD and min(sigmas for _, sigmas in margins) > _SIGMAS:
+        return _as(raw, units[best], "gyr_unit_found")
     size = np.abs(thinned(raw.gyr))
     size = size[np.isfinite(size)]
     noise = float(np.nanmedian(np.abs(np.diff(raw.gyr[:200_000], axis=0)))) if len(raw) > 1 else 0.0

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from processing.importing.raw import RawImu
 from processing.importing.rows import BLOCK_ROWS, runs, thinned
@@ -84,11 +85,22 @@ def _flat_tops(values: FloatArray) -> list[float]:
         at = finite == value
         piled = int(at.sum())
         close = int((finite >= near).sum() if value == high else (finite <= near).sum())
-        longest = int(np.diff(runs(at), axis=1).max(initial=0))
+        tops = runs(at)
+        longest = int(np.diff(tops, axis=1).max(initial=0))
         # a peak that is merely quantised holds its top for a sample or two, and its neighbours are as frequent
-        if piled >= 5 and longest >= 3 and piled >= 0.6 * close and _is_alive(finite):
+        if piled >= 5 and longest >= 3 and piled >= 0.6 * close and _is_alive(finite) and _is_steep(finite, tops):
             found.append(value)
     return found
+
+
+def _is_steep(values: FloatArray, tops: npt.NDArray[np.intp]) -> bool:
+    """True where the values run into their flat tops at speed, as clipped ones do; what comes to rest slows down."""
+    before = tops[tops[:, 0] > 0, 0]
+    if not len(before):
+        return False
+    entry = np.abs(values[before] - values[before - 1])
+    usual = float(np.sqrt(np.mean(np.square(np.diff(thinned(values, 10**6))))))
+    return float(np.median(entry)) > 0.1 * usual
 
 
 def _is_alive(values: FloatArray) -> bool:
