@@ -80,7 +80,8 @@ class ColourBar:
             if y < rect.top() + 1.3 * metrics.height():
                 continue  # the unit stands there
             painter.drawLine(QPointF(bar.right(), y), QPointF(bar.right() + 4, y))
-            box = QRectF(bar.right() + 7, y - metrics.height(), rect.width(), 2 * metrics.height())
+            middle = min(y, rect.bottom() - 0.45 * metrics.height())
+            box = QRectF(bar.right() + 7, middle - metrics.height(), rect.width(), 2 * metrics.height())
             painter.drawText(
                 box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, number_text(value, digits)
             )

@@ -14,7 +14,7 @@ from processing.survey import Channel, FloatArray, ImuSamples, Track
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid, joined
 from widgets.latest_loader import LatestLoader
-from widgets.linked_plot import Readout
+from widgets.plot_marks import Readout
 from widgets.plot_paint import paint_columns, paint_y_axis
 from widgets.plot_scale import Scale
 from widgets.plot_theme import LIGHT, Theme

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from processing.survey import Candidate, Channel, FloatArray
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid
-from widgets.linked_plot import Readout
+from widgets.plot_marks import Readout
 from widgets.plot_paint import paint_legend
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor

@@ -1,84 +1,30 @@
-"""The frame that all stacked plots share: common axis, cursor line, mouse, candidates and hatched stretches.
+"""A framed plot that takes the mouse; what it does to the common cursor, all plots follow.
 
-A plot is painted once into a pixmap; a moving cursor only lays that pixmap down again under its line. Subclasses paint
-their data and their vertical axes.
-
-Mouse: click moves the cursor, drag pans, Shift+drag selects a span, wheel zooms about the mouse, Shift+wheel pans,
-Ctrl+wheel zooms vertically, double click shows everything.
+Click moves the cursor, drag pans, Shift+drag selects a span, wheel zooms about the mouse, Shift+wheel pans, Ctrl+wheel
+zooms vertically, double click shows everything.
 """
 
 import math
-import sys
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import (
-    QColor,
-    QEnterEvent,
-    QFocusEvent,
-    QMouseEvent,
-    QPainter,
-    QPaintEvent,
-    QPen,
-    QPixmap,
-    QResizeEvent,
-    QWheelEvent,
-)
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
+from PySide6.QtGui import QEnterEvent, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QWidget
 
-from processing.survey import Candidate, Channel, Decision, Stretch, Verdict
-from widgets.plot_paint import paint_hatch
-from widgets.plot_theme import LIGHT, Theme, VerdictMarks
-from widgets.time_axis import AxisMode, x_text, x_ticks
+from widgets.plot_frame import PlotFrame
+from widgets.plot_marks import Readout
+from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
+
+__all__ = ["DRAG_PIXELS", "ZOOM_STEP", "Drag", "LinkedPlot", "Readout"]
 
 ZOOM_STEP = 0.8
 DRAG_PIXELS = 4
 Drag = Callable[[QPointF], None]
 
 
-@dataclass(frozen=True)
-class Readout:
-    """What lies under the mouse; None for what a view does not know."""
-
-    time_s: float | None
-    chainage_m: float | None = None
-    position_w_m: tuple[float, float, float] | None = None
-    frequency_hz: float | None = None
-    level_db: float | None = None
-    value: float | None = None
-    unit: str = ""
-
-
-@dataclass(frozen=True)
-class Marks:
-    """Candidates with the operator's word on them, and which one is selected."""
-
-    candidates: Sequence[Candidate] = ()
-    decisions: Mapping[int, Decision] | None = None
-    selected: int | None = None
-
-    def verdict(self, candidate: Candidate) -> Verdict:
-        """Return the verdict on a candidate."""
-        decision = (self.decisions or {}).get(candidate.id)
-        return decision.verdict if decision is not None else Verdict.NONE
-
-    @cached_property
-    def in_drawing_order(self) -> list[Candidate]:
-        """The candidates so that the weighty ones, and last the selected one, come on top."""
-        rank = {Verdict.REJECTED: 0, Verdict.NONE: 1, Verdict.UNSURE: 2, Verdict.CONFIRMED: 3}
-        return sorted(self.candidates, key=lambda c: (c.id == self.selected, rank[self.verdict(c)], c.score))
-
-
-def report_paint_error() -> None:
-    """Hand the exception in work to the crash guard: PySide takes the process down when paint events raise."""
-    sys.excepthook(*sys.exc_info())
-
-
-class LinkedPlot(QWidget):
-    """A plot over the common axis; ``cursor`` is shared by all of them."""
+class LinkedPlot(PlotFrame):
+    """A plot with the mouse; subclasses paint, and may let other things than the axis be dragged."""
 
     pointed = Signal(object)  # Readout, or None when the mouse has left
     candidate_clicked = Signal(int)
@@ -86,143 +32,13 @@ class LinkedPlot(QWidget):
     def __init__(
         self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None, *, show_x_axis: bool = True
     ) -> None:
-        super().__init__(parent)
-        self._cursor, self._theme = cursor, theme
-        self._show_x_axis = show_x_axis
-        self._marks = Marks()
-        self._not_assessed: tuple[Stretch, ...] = ()
-        self._channel: Channel | None = None  # which stretches concern this plot; None: all
-        self._pixmap = QPixmap()
-        self._stale = True
-        self._rect: QRectF | None = None
-        self._mark_pixmaps: VerdictMarks | None = None
+        super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
         self._pressed: QPointF | None = None
         self._drag: Drag | None = None
         self._dragged = False
-        self._painted_cursor_x = math.nan
         self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        cursor.moved.connect(self._follow_cursor)
-        cursor.range_changed.connect(self.invalidate)
-        cursor.axis_changed.connect(self.invalidate)
-        cursor.selection_changed.connect(self.update)
 
-    # --- what it is told ----------------------------------------------------------------------------------------
-
-    def apply_theme(self, theme: Theme) -> None:
-        """Draw in these colours and letters."""
-        self._theme, self._rect = theme, None
-        self.updateGeometry()
-        self.invalidate()
-
-    def set_x_axis_visible(self, visible: bool) -> None:
-        """Show or hide the ticks of the common axis; of stacked plots only the lowest needs them."""
-        self._show_x_axis, self._rect = visible, None
-        self.invalidate()
-
-    def set_candidates(self, candidates: Sequence[Candidate], decisions: Mapping[int, Decision] | None = None) -> None:
-        """Show these candidates, each with the mark of its verdict."""
-        self._marks = Marks(tuple(candidates), dict(decisions or {}), self._marks.selected)
-        self.invalidate()
-
-    def set_selected(self, candidate_id: int | None) -> None:
-        """Ring one candidate; None rings none."""
-        self._marks = Marks(self._marks.candidates, self._marks.decisions, candidate_id)
-        self.invalidate()
-
-    def set_not_assessed(self, stretches: Sequence[Stretch]) -> None:
-        """Hatch what cannot be assessed, as far as it concerns this plot."""
-        wanted = tuple(s for s in stretches if self._channel is None or s.channel is self._channel)
-        self._not_assessed = wanted
-        self.invalidate()
-
-    # --- geometry -----------------------------------------------------------------------------------------------
-
-    def plot_rect(self) -> QRectF:
-        """Return where data are drawn; its left and right edge are the same for all plots of one width and theme."""
-        if self._rect is None:
-            metrics = self._theme.metrics()
-            left = math.ceil(self._axis_left() + metrics.horizontalAdvance("00000") + 8)
-            right = math.ceil(metrics.horizontalAdvance("−100.0 dB") + 10)
-            bottom = math.ceil(1.5 * metrics.height()) if self._show_x_axis else 3
-            width, height = self.width() - left - right, self.height() - 4 - bottom
-            self._rect = QRectF(left, 4.0, max(1.0, width), max(1.0, height))
-        return self._rect
-
-    def x_span(self) -> tuple[float, float]:
-        """Return which span of the common axis the plot shows, in the axis' unit."""
-        return self._cursor.x_range
-
-    def columns(self) -> int:
-        """Return how many device pixels the plot is wide."""
-        return max(1, round(self.plot_rect().width() * self.devicePixelRatioF()))
-
-    def pixel_of_x(self, x: float) -> float:
-        """Return the widget's pixel of a place on the common axis."""
-        rect, (low, high) = self.plot_rect(), self.x_span()
-        return rect.left() + (x - low) / (high - low) * rect.width()
-
-    def x_of_pixel(self, pixel: float) -> float:
-        """Return the place on the common axis of one of the widget's pixels."""
-        rect, (low, high) = self.plot_rect(), self.x_span()
-        return low + (pixel - rect.left()) / rect.width() * (high - low)
-
-    def pixel_of_time(self, time_s: float) -> float:
-        """Return the widget's pixel of a moment."""
-        return self.pixel_of_x(float(self._cursor.x_of_time(time_s)))
-
-    def time_of_pixel(self, pixel: float) -> float:
-        """Return the moment of one of the widget's pixels."""
-        return float(self._cursor.time_of_x(self.x_of_pixel(pixel)))
-
-    def candidate_pixel(self, candidate: Candidate) -> float:
-        """Return the widget's pixel of a candidate; NaN where its place is unknown."""
-        in_metres = self._cursor.axis_mode is AxisMode.DISTANCE and math.isfinite(candidate.chainage_m)
-        if in_metres:
-            return self.pixel_of_x(candidate.chainage_m)
-        return self.pixel_of_time(candidate.time_s) if math.isfinite(candidate.time_s) else math.nan
-
-    def candidate_at(self, place: QPointF) -> int | None:
-        """Return the id of the candidate whose mark lies under a pixel."""
-        radius = self.mark_radius() + 4
-        for candidate in reversed(self._marks.in_drawing_order):
-            centre = self._mark_centre(candidate)
-            if centre is not None and math.dist(centre.toTuple(), place.toTuple()) <= radius:
-                return candidate.id
-        return None
-
-    def mark_radius(self) -> float:
-        """Return the size of a candidate's mark."""
-        return 0.42 * self._theme.metrics().height()
-
-    def sizeHint(self) -> QSize:
-        """Prefer a wide and low plot."""
-        return QSize(640, round(9 * self._theme.metrics().height()))
-
-    def minimumSizeHint(self) -> QSize:
-        """Need room for the axes and a little curve."""
-        return QSize(220, round(3.2 * self._theme.metrics().height()))
-
-    def _axis_left(self) -> float:
-        return 1.3 * self._theme.metrics().height()
-
-    def _mark_centre(self, candidate: Candidate) -> QPointF | None:
-        """Return where a candidate's mark stands: at the top edge; subclasses may know better."""
-        x, rect = self.candidate_pixel(candidate), self.plot_rect()
-        if not (math.isfinite(x) and rect.left() - 1 <= x <= rect.right() + 1):
-            return None
-        return QPointF(x, rect.top() + self.mark_radius() + 3)
-
-    # --- what subclasses paint ----------------------------------------------------------------------------------
-
-    def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
-        """Paint grid, vertical axis and data."""
-        raise NotImplementedError
-
-    def _paint_values(self, painter: QPainter, rect: QRectF) -> None:
-        """Write into ``rect``, right of the plot, what the data are at the cursor; called at every move."""
+    # --- what subclasses may add --------------------------------------------------------------------------------
 
     def _readout(self, place: QPointF) -> Readout:
         """Return what lies under the mouse."""
@@ -243,142 +59,7 @@ class LinkedPlot(QWidget):
     def _fit_vertical(self) -> None:
         """Show the whole vertical axis."""
 
-    # --- painting -----------------------------------------------------------------------------------------------
-
-    def invalidate(self) -> None:
-        """Have everything painted anew."""
-        self._stale = True
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Lay down the pixmap, made anew if it is stale, and the cursor over it."""
-        painter = QPainter()
-        try:
-            if self._stale:
-                self._paint_pixmap()
-            painter.begin(self)
-            ratio = self._pixmap.devicePixelRatioF()
-            area = event.rect()
-            source = QRectF(area.x() * ratio, area.y() * ratio, area.width() * ratio, area.height() * ratio)
-            painter.drawPixmap(QRectF(area), self._pixmap, source)
-            self._paint_over(painter)
-        except Exception:  # noqa: BLE001  # handed on
-            report_paint_error()
-        finally:
-            if painter.isActive():
-                painter.end()
-
-    def _paint_pixmap(self) -> None:
-        ratio = self.devicePixelRatioF()
-        self._pixmap = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
-        self._pixmap.setDevicePixelRatio(ratio)
-        self._stale = False
-        painter = QPainter(self._pixmap)
-        try:
-            rect = self.plot_rect()
-            painter.fillRect(self.rect(), QColor(self._theme.background))
-            painter.fillRect(rect, QColor(self._theme.canvas))
-            painter.setFont(self._theme.font())
-            self._paint_x_axis(painter, rect)
-            self._paint_data(painter, rect)
-            self._paint_not_assessed(painter, rect)
-            self._paint_marks(painter, rect)
-            painter.setPen(QPen(QColor(self._theme.text), 1))
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawRect(rect)
-        finally:
-            painter.end()
-
-    def _paint_x_axis(self, painter: QPainter, rect: QRectF) -> None:
-        metrics, mode = self._theme.metrics(), self._cursor.axis_mode
-        low, high = self.x_span()
-        locale = self.locale()
-        widest = max(metrics.horizontalAdvance(x_text(v, (high - low) / 10, mode, locale)) for v in (low, high))
-        ticks, step = x_ticks(low, high, mode, max(2, int(rect.width() / (1.6 * widest + 8))))
-        for value in ticks:
-            x = self.pixel_of_x(value)
-            painter.setPen(QPen(QColor(self._theme.grid), 1))
-            painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
-            if not self._show_x_axis:
-                continue
-            painter.setPen(QColor(self._theme.text))
-            painter.drawLine(QPointF(x, rect.bottom()), QPointF(x, rect.bottom() + 4))
-            label = x_text(value, step, mode, locale)
-            # the last one gives way to the name of the axis
-            half = 0.5 * metrics.horizontalAdvance(label)
-            middle = min(x, rect.right() + 2 - half)
-            box = QRectF(middle - widest, rect.bottom() + 4, 2 * widest, metrics.height())
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, label)
-        if self._show_x_axis:
-            name = self.tr("m") if mode is AxisMode.DISTANCE else self.tr("time")
-            box = QRectF(rect.right() + 6, rect.bottom() + 4, self.width() - rect.right() - 6, metrics.height())
-            fitted = metrics.elidedText(name, Qt.TextElideMode.ElideRight, box.width())
-            painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, fitted)
-
-    def _paint_not_assessed(self, painter: QPainter, rect: QRectF) -> None:
-        for stretch in self._not_assessed:
-            left, right = self.pixel_of_time(stretch.start_s), self.pixel_of_time(stretch.end_s)
-            area = QRectF(left, rect.top(), max(right - left, 2.0), rect.height()).intersected(rect)
-            if not area.isEmpty():
-                paint_hatch(painter, area, self._theme)
-
-    def _paint_marks(self, painter: QPainter, rect: QRectF) -> None:
-        painter.save()
-        painter.setClipRect(rect.adjusted(-self.mark_radius(), 0, self.mark_radius(), 0))
-        marks, ratio = self._mark_pixmaps, self.devicePixelRatioF()
-        if marks is None or not marks.fits(self._theme, self.mark_radius(), ratio):
-            marks = self._mark_pixmaps = VerdictMarks(self._theme, self.mark_radius(), ratio)
-        for candidate in self._marks.in_drawing_order:
-            centre = self._mark_centre(candidate)
-            if centre is not None:
-                verdict = self._marks.verdict(candidate)
-                marks.paint(painter, verdict, centre, selected=candidate.id == self._marks.selected)
-        painter.restore()
-
-    def _paint_hint(self, painter: QPainter, rect: QRectF, text: str) -> None:
-        colour = QColor(self._theme.text)
-        colour.setAlpha(170)
-        painter.setPen(colour)
-        painter.drawText(rect, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, text)
-
-    def _paint_over(self, painter: QPainter) -> None:
-        rect = self.plot_rect()
-        painter.setFont(self._theme.font())
-        if self._cursor.selection_s is not None:
-            left, right = (self.pixel_of_time(t) for t in self._cursor.selection_s)
-            area = QRectF(left, rect.top(), max(right - left, 1.0), rect.height()).intersected(rect)
-            colour = QColor(self._theme.accent)
-            colour.setAlpha(50)
-            painter.fillRect(area, colour)
-        x = self._painted_cursor_x = self.pixel_of_time(self._cursor.time_s)
-        if rect.left() <= x <= rect.right():
-            painter.setPen(QPen(QColor(self._theme.cursor), self._theme.line_width))
-            painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
-        self._paint_values(painter, self._value_rect())
-        if self.hasFocus():
-            painter.setPen(QPen(QColor(self._theme.accent), 2))
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawRect(QRectF(self.rect()).adjusted(1, 1, -1, -1))
-
-    def _value_rect(self) -> QRectF:
-        rect = self.plot_rect()
-        return QRectF(rect.right() + 4, rect.top(), max(0.0, self.width() - rect.right() - 5), rect.height())
-
-    def _follow_cursor(self) -> None:
-        new = self.pixel_of_time(self._cursor.time_s)
-        half = math.ceil(self._theme.line_width) + 2
-        for x in (self._painted_cursor_x, new):
-            if math.isfinite(x) and -half <= x <= self.width() + half:
-                self.update(QRect(math.floor(x) - half, 0, 2 * half + 1, self.height()))
-        self.update(self._value_rect().toAlignedRect())
-
-    # --- the mouse ----------------------------------------------------------------------------------------------
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Paint for the new size."""
-        super().resizeEvent(event)
-        self._rect = None
-        self.invalidate()
+    # --- what Qt tells ------------------------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a click, a pan, a selection, or whatever the subclass has here."""
@@ -445,16 +126,6 @@ class LinkedPlot(QWidget):
         super().enterEvent(event)
         if self.plot_rect().contains(event.position()):
             self.pointed.emit(self._readout(event.position()))
-
-    def focusInEvent(self, event: QFocusEvent) -> None:
-        """Show that keys act here."""
-        super().focusInEvent(event)
-        self.update()
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Show that keys act elsewhere."""
-        super().focusOutEvent(event)
-        self.update()
 
     def _click(self, place: QPointF) -> None:
         candidate_id = self.candidate_at(place)

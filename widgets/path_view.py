@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPixmap, Q
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Channel, Decision, FloatArray, Stretch, TiePoint, Track
-from widgets.linked_plot import DRAG_PIXELS, ZOOM_STEP, Marks, Readout, report_paint_error
+from widgets.linked_plot import DRAG_PIXELS, ZOOM_STEP
 from widgets.path_paint import (
     Labels,
     paint_band,
@@ -25,6 +25,7 @@ from widgets.path_paint import (
     paint_scale_bar,
 )
 from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment, visible_runs
+from widgets.plot_marks import Marks, Readout, report_paint_error
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.throttle import Throttle
 from widgets.time_cursor import TimeCursor

@@ -87,7 +87,7 @@ def paint_y_axis(
     unit is written where there is no room for more.
     """
     metrics = theme.metrics()
-    ticks = scale.ticks(max(2, int(rect.height() / (1.7 * metrics.height()))))
+    ticks = scale.ticks(max(3, int(rect.height() / (1.7 * metrics.height()))))
     step = min((b - a for a, b in pairwise(ticks)), default=1.0)
     painter.setFont(theme.font())
     for value in ticks:

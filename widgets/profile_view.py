@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from processing.survey import Candidate, Channel, TiePoint, Track
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid, joined
-from widgets.linked_plot import Readout
+from widgets.plot_marks import Readout
 from widgets.plot_paint import edges_of, free_box, paint_columns, paint_tag
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor

@@ -16,7 +16,8 @@ from processing.survey import Channel
 from widgets.color_maps import COLOR_MAPS
 from widgets.colour_bar import LEAST_RANGE_DB, ColourBar
 from widgets.latest_loader import LatestLoader
-from widgets.linked_plot import Drag, LinkedPlot, Readout
+from widgets.linked_plot import Drag, LinkedPlot
+from widgets.plot_marks import Readout
 from widgets.plot_paint import paint_y_axis
 from widgets.plot_scale import Scale, ScaleKind, hertz_text
 from widgets.plot_theme import LIGHT, Theme

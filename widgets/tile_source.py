@@ -4,14 +4,12 @@ The science's tile pyramid answers :class:`TileSource`; the pixels are max-poole
 so that an event of a single frame stays visible at any zoom.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from processing.survey import ClockMap, FloatArray
+from processing.survey import FloatArray
 from widgets.plot_scale import Scale
 
 Levels = npt.NDArray[np.uint8]
@@ -43,78 +41,6 @@ class TileSource(Protocol):
 
     def columns(self, start_s: float, end_s: float, columns: int) -> Levels:
         """Return uint8 (bins, columns): the highest level within each of equal spans of survey time; 0 outside."""
-
-
-class AudioTiles(Protocol):
-    """Levels of sound on the audio's own clock, as :class:`processing.sound.tiles.TilePyramid` keeps them."""
-
-    @property
-    def frequency_hz(self) -> FloatArray:
-        """Centres of the bins, (bins,), rising."""
-
-    @property
-    def finest_column_s(self) -> float:
-        """Seconds in a column of the finest level."""
-
-    def columns(self, start_s: float, end_s: float, n_columns: int, plane: str = "max") -> Levels:
-        """Return uint8 (bins, n_columns) between seconds of the audio's clock."""
-
-
-@dataclass(frozen=True)
-class SurveyTiles:
-    """Tiles on the audio's clock, asked in survey time through a clock map: a :class:`TileSource`.
-
-    ``plane`` is ``max`` (short events stay visible) or ``mean`` (steady sounds stand out of the noise). ``detail``
-    computes, with the arguments of :meth:`AudioTiles.columns`, pictures finer than the finest stored column: widgets
-    may not reach the sound's files, so the application binds them in, ``partial(spectrogram_detail, audio)``.
-    """
-
-    tiles: AudioTiles
-    clock: ClockMap
-    duration_s: float
-    low_db: float
-    step_db: float
-    plane: str = "max"
-    detail: Callable[[float, float, int, str], Levels] | None = None
-
-    @property
-    def frequencies_hz(self) -> FloatArray:
-        """Centres of the bins."""
-        return self.tiles.frequency_hz
-
-    @property
-    def start_s(self) -> float:
-        """First moment."""
-        return float(self.clock.to_survey(0.0))
-
-    @property
-    def end_s(self) -> float:
-        """Last moment."""
-        return float(self.clock.to_survey(self.duration_s))
-
-    def columns(self, start_s: float, end_s: float, columns: int) -> Levels:
-        """Return uint8 (bins, columns) between survey seconds."""
-        first, last = float(self.clock.to_audio(start_s)), float(self.clock.to_audio(end_s))
-        fine = (last - first) / columns < self.tiles.finest_column_s
-        if fine and self.detail is not None:
-            return self.detail(first, last, columns, self.plane)
-        return self.tiles.columns(first, last, columns, self.plane)
-
-
-class WaveColumns(Protocol):
-    """A waveform's envelope, as :class:`processing.sound.tiles.WavePyramid` keeps it."""
-
-    def columns(self, start_s: float, end_s: float, n_columns: int) -> npt.NDArray[np.float32]:
-        """Return (3, n_columns): lowest, highest and rms between seconds of the audio's clock."""
-
-
-def wave_overview(
-    wave: WaveColumns, duration_s: float, clock: ClockMap, columns: int = 4096
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the waveform of the whole run: survey seconds (columns,), its lowest and its highest values."""
-    values = wave.columns(0.0, duration_s, columns)
-    middles = (np.arange(columns) + 0.5) * duration_s / columns
-    return clock.to_survey(middles), values[0].astype(np.float64), values[1].astype(np.float64)
 
 
 def pixel_levels(source: TileSource, edges_s: FloatArray, frequency: Scale, rows: int) -> Levels:

@@ -7,12 +7,11 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QColor, QMouseEvent
 
 from processing.errors import ErrorCode, LeaklineError
-from processing.survey import ClockMap
 from widgets.color_maps import COLOR_MAPS, color_table, level_color_index
 from widgets.latest_loader import LatestLoader
 from widgets.plot_scale import Scale, ScaleKind
 from widgets.spectrogram_view import SpectrogramView
-from widgets.tile_source import SurveyTiles, pixel_levels, wave_overview
+from widgets.tile_source import pixel_levels
 
 
 class FakeTiles:
@@ -303,32 +302,6 @@ def test_our_own_bug_in_a_worker_is_raised_where_the_crash_guard_sees_it(qtbot):
         qtbot.waitUntil(lambda: not loader.busy)
         qtbot.wait(5)
     assert [kind for kind, *_ in caught] == [ZeroDivisionError]
-
-
-def test_tiles_on_the_audio_clock_are_asked_in_survey_time(qtbot):
-    class Audio:
-        frequency_hz = np.array([0.0, 1.0])
-        finest_column_s = 0.5
-
-        def columns(self, start_s, end_s, n_columns, plane="max"):
-            return ("stored", start_s, end_s, n_columns, plane)
-
-    clock = ClockMap(start_s=12.0, drift_ppm=100.0)
-    tiles = SurveyTiles(Audio(), clock, 1000.0, -130.0, 0.5, "mean", lambda *a: ("computed", *a))
-    assert tiles.columns(12.0, 112.0, 10) == ("stored", 0.0, pytest.approx(100.01), 10, "mean")
-    assert tiles.columns(12.0, 112.0, 1000)[0] == "computed"
-    assert (tiles.start_s, tiles.end_s) == (12.0, pytest.approx(12.0 + 1000.0 / 1.0001))
-
-
-def test_the_overview_is_in_survey_time():
-    class Wave:
-        def columns(self, start_s, end_s, n_columns):
-            return np.stack([np.full(n_columns, v, np.float32) for v in (-1, 1, 0.5)])
-
-    time_s, low, high = wave_overview(Wave(), 100.0, ClockMap(start_s=50.0), 10)
-    np.testing.assert_allclose(time_s, 50.0 + np.arange(5.0, 100.0, 10.0))
-    assert set(low) == {-1.0}
-    assert set(high) == {1.0}
 
 
 def test_the_wheel_with_control_zooms_frequencies_about_the_mouse(view, qtbot):
