@@ -12,7 +12,7 @@ from processing.coordinates import frame_of
 from processing.orientation.quaternions import multiply, turn_about_up
 from processing.position.error_model import Sigmas
 from processing.position.heading import HeadingStart, heading_start, route_turn
-from processing.position.odometry import Odometry, rescaled, started_at
+from processing.position.odometry import Odometry, rescaled, started_at, thinned
 from processing.position.route import RouteLine, route_line
 from processing.position.solving import TURNS, Solution, solve, variances
 from processing.position.tie_checks import TieCheck, checks_of, hold_down, inflation_of
@@ -21,6 +21,7 @@ from processing.progress import Progress
 from processing.settings import PositionSettings
 from processing.survey import Finding, Params, Severity, Survey, Track
 
+_COARSE_ROWS = 4000
 _OPEN_SCALE = 0.2  # while ties are checked against each other, the radius has no say
 _RESCALE_SIGMA = 0.3
 
@@ -56,7 +57,7 @@ def fit(odometry: Odometry, survey: Survey, settings: PositionSettings, progress
         odometry.scale_sigma, start.sigma_rad, start.drift_radps, odometry.slope_sigma, odometry.start_sigma_m
     )
     doubting = replace(sigmas, scale=max(sigmas.scale, _OPEN_SCALE))
-    held = hold_down(ties, lambda some: solve(odometry, some, doubting, None), settings)
+    held = _held_down(odometry, ties, doubting, settings)
     solution = solve(odometry, held, sigmas, progress)
     checks = checks_of(solution, ties, held)
     inflation = inflation_of(checks)
@@ -64,6 +65,18 @@ def fit(odometry: Odometry, survey: Survey, settings: PositionSettings, progress
     quality = _quality(odometry, solution, checks, factor, inflation, start, track)
     findings += start.findings + _fit_findings(checks, solution, odometry, track, route)
     return Fitted(replace(track, findings=odometry.findings + findings, quality=quality), checks)
+
+
+def _held_down(
+    odometry: Odometry, ties: tuple[Observation, ...], sigmas: Sigmas, settings: PositionSettings
+) -> tuple[Observation, ...]:
+    """Hold down what all others contradict, on a coarse path: that takes many solutions."""
+    coarse = np.linspace(0, len(odometry.time_s) - 1, _COARSE_ROWS).astype(np.intp)
+    rows = np.unique(np.concatenate([coarse, np.array([t.row for t in ties], dtype=np.intp)]))
+    thin = thinned(odometry, rows)
+    placed = tuple(replace(t, row=int(np.searchsorted(rows, t.row))) for t in ties)
+    held = hold_down(placed, lambda some: solve(thin, some, sigmas, None), settings)
+    return tuple(tie if kept is mine else replace(kept, row=tie.row) for tie, mine, kept in zip(ties, placed, held))
 
 
 def _first_scale(odometry: Odometry, ties: tuple[Observation, ...]) -> tuple[Odometry, float]:

@@ -1,8 +1,8 @@
 """What the heading of a free path rests on, and how far to trust it.
 
-Dead reckoning gives the path's shape in a heading of its own. It is turned to the launch's stated direction, to the
-magnetic or device heading, to the route, or onto the tie points, in this order; without any of them north is unknown,
-and only chainage and shape are told.
+Dead reckoning gives the path's shape in a heading of its own. It is turned to the launch's stated direction (and the
+magnetic one, where that is trusted), to the magnetic or device heading, to the route, or onto the tie points, in this
+order; without any of them north is unknown, and only chainage and shape are told.
 """
 
 from dataclasses import dataclass
@@ -47,9 +47,10 @@ def heading_start(
     heading = survey.launch.heading_deg
     if heading is not None and first is not None:
         turn = _wrapped(float(np.radians(90.0 - heading)) - first)
-        if odometry.heading_from == "magnetometer":
+        if odometry.heading_from == "magnetometer":  # two witnesses, by their weights; the field then holds the heading
+            weight = magnetic**2 / (magnetic**2 + stated**2)
             findings = _disagreement(turn, magnetic, stated)
-            return HeadingStart(0.0, magnetic, 0.0, "magnetometer", findings)
+            return HeadingStart(weight * turn, float(np.sqrt(weight)) * stated, 0.0, "magnetometer", findings)
         return HeadingStart(turn, stated, drift, "launch")
     if odometry.heading_from == "magnetometer":
         return HeadingStart(0.0, magnetic, 0.0, "magnetometer")

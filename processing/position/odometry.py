@@ -136,6 +136,22 @@ def rescaled(odometry: Odometry, factor: float) -> Odometry:
     )
 
 
+def thinned(odometry: Odometry, rows: npt.NDArray[np.intp]) -> Odometry:
+    """Return the odometry at some of its rows: the walks are cumulated, so nothing but detail is lost."""
+    return replace(
+        odometry,
+        time_s=odometry.time_s[rows],
+        position_w_m=odometry.position_w_m[rows],
+        chainage_m=odometry.chainage_m[rows],
+        speed_mps=odometry.speed_mps[rows],
+        quat_ws=odometry.quat_ws[rows],
+        along_var_m2=odometry.along_var_m2[rows],
+        cross_var_m2=odometry.cross_var_m2[rows],
+        up_var_m2=odometry.up_var_m2[rows],
+        heading_var_rad2=odometry.heading_var_rad2[rows],
+    )
+
+
 def started_at(odometry: Odometry, time_s: float, sigma_m: float) -> Odometry:
     """Return the odometry with the launch at ``time_s``: what moved before it was the handling, and does not count."""
 

@@ -73,7 +73,7 @@ def main(hours: float, rate_hz: float) -> None:
             print(
                 f"{name:8s} {known:10s} {hours:g} h at {rate_hz:g} Hz, {len(imu.time_s) / 1e6:.2f} M rows: "
                 f"{seconds:.2f} s, {hours * 3600 / seconds:.0f} × real time, "
-                f"track {len(track.time_s)} rows, peak {peak / 1024:.0f} MB (samples held before: {before / 1024:.0f} MB)",
+                f"track {len(track.time_s)} rows, peak {peak / 1024:.0f} MB (before: {before / 1024:.0f} MB)",
                 flush=True,
             )
 

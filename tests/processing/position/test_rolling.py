@@ -52,8 +52,7 @@ def test_a_circle_closes():
     radius = 15.0
     around = 2 * np.pi * radius
     run = rolling_run([(2.0, 3.0 + around, 1.0)], around + 6.0, lambda s: np.full_like(s, 1.0 / radius))
-    # the first metres of a circle are not its first direction: turn by the truth instead
-    track = find_track(run.imu, run.attitude, survey(heading_deg=90.0 - np.degrees(1.5 / radius)), SETTINGS)
+    track = find_track(run.imu, run.attitude, survey(), SETTINGS)
     assert np.hypot(*track.position_w_m[-1, :2]) < 0.01
     assert track.position_w_m[:, 1].max() == pytest.approx(2 * radius, abs=0.02)
 
@@ -124,7 +123,6 @@ def test_the_rest_of_a_turning_world_adds_nothing():
     time_s = np.arange(1800 * 50) / 50.0
     gyr = np.radians(0.05) + np.radians(0.1) * rng.standard_normal((len(time_s), 3))
     imu = ImuSamples(time_s, np.tile([0.0, 0.0, 9.81], (len(time_s), 1)), gyr, np.ones(len(time_s), bool))
-    run = rolling_run([], 1.0)
     still = Attitude(np.tile([1.0, 0, 0, 0], (len(time_s), 1)), np.zeros(3), "truth")
     assert find_track(imu, still, survey(), SETTINGS).chainage_m[-1] == 0.0
 
@@ -195,3 +193,13 @@ def test_a_simulated_noise_free_ball_comes_back_within_a_centimetre_per_100_m():
     truth = np.column_stack([np.interp(track.time_s, made.motion.time_s, c) for c in made.motion.position_w_m.T])
     assert np.linalg.norm(track.position_w_m - (truth - truth[0]), axis=1).max() < 0.01 * length / 100.0
     assert track.chainage_m[-1] == pytest.approx(length, abs=0.01)
+
+
+@pytest.mark.parametrize(("stated_deg", "expected_deg", "disagrees"), [(96.0, 95.26, False), (130.0, 125.07, True)])
+def test_a_stated_and_a_magnetic_heading_are_weighed_and_a_clash_is_told(stated_deg, expected_deg, disagrees):
+    run = rolling_run([(5.0, 26.0, 1.0)], 30.0)  # to the east by its attitude; 8° and 3° are the default sigmas
+    magnetic = Attitude(run.attitude.quat_ws, np.zeros(3), "truth", heading_from="magnetometer")
+    track = find_track(run.imu, magnetic, survey(heading_deg=stated_deg), SETTINGS)
+    east, north, _ = track.position_w_m[-1]
+    assert np.degrees(np.arctan2(east, north)) == pytest.approx(expected_deg, abs=0.05)
+    assert ("heading_disagrees" in codes(track)) == disagrees
