@@ -104,6 +104,7 @@ def style_sheet(theme: Theme) -> str:
             border-bottom: {width}px solid {line}; background: {theme.background}; font-weight: bold; }}
         QMenu::item {{ padding: 8px 28px 8px 20px; }}
         QMenu::item:selected {{ background: {theme.accent}; color: {theme.canvas}; }}
+        QCheckBox::indicator, QTableView::indicator {{ width: 22px; height: 22px; }}
         QScrollBar:vertical {{ width: 18px; }}
         QScrollBar:horizontal {{ height: 18px; }}
         QSplitter::handle {{ background: {mixed(theme.text, theme.background, 0.15).name()}; }}

@@ -2,12 +2,14 @@
 
 import logging
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
 from app import appearance, diagnostics
+from app.devices.audio_output import Sink, open_sink, why_silent
 from app.jobs import Jobs
 from app.main_window import MainWindow, Services
 from app.settings import PreferencesStore, log_folder
@@ -20,15 +22,23 @@ log = logging.getLogger(__name__)
 class Application(QObject):
     """Holds what outlives a window, and the window."""
 
-    def __init__(self, qt: QApplication, preferences: PreferencesStore, log_file: Path | None) -> None:
+    def __init__(
+        self,
+        qt: QApplication,
+        preferences: PreferencesStore,
+        log_file: Path | None,
+        make_sink: Callable[[float], Sink] = open_sink,
+        why_silent: Callable[[], str | None] = why_silent,
+    ) -> None:
         super().__init__()
         self._qt = qt
         self._translation = appearance.Translation(qt)
-        self.services = Services(SurveySession(self), Jobs(self), preferences, log_file)
+        self.services = Services(SurveySession(self), Jobs(self), preferences, log_file, make_sink, why_silent)
         self.guard = diagnostics.CrashGuard(self)
         self.guard.crashed.connect(self._tell_crash)
         self._telling = False
         appearance.apply_theme(qt, appearance.theme_named(preferences.values.theme))
+        self.guard.install()
         self.window = self._make_window(preferences.values.language or appearance.system_language())
 
     def _make_window(self, language: str) -> MainWindow:
@@ -75,7 +85,6 @@ def run_window(path: Path | None, read_only: bool = False) -> int:
     qt = QApplication.instance() or QApplication(sys.argv[:1])
     assert isinstance(qt, QApplication)
     application = Application(qt, PreferencesStore(), diagnostics.start_log(log_folder()))
-    application.guard.install()
     application.window.show()
     if path is not None:
         QTimer.singleShot(0, application, lambda: application.window.files.open_path(path, read_only=read_only))

@@ -47,6 +47,7 @@ from widgets.step_bar import StepBar
 REVIEW_PAGES = ("path", "sound", "leaks")
 LARGEST, FRAME = (1920, 1080), 32  # of the first start: the whole of a laptop's screen, less the title bar
 TOLD_MS = 15_000
+SHEET_ORDER = (Page.REVIEW, Page.PLAY, Page.VIEW, Page.EDIT, Page.FILE, Page.HELP)
 TOOLS = ("open", "undo", "redo", "mark", "export")
 
 
@@ -328,7 +329,9 @@ class MainWindow(QMainWindow):
                 actions.translated(row.text),
                 actions.translated(row.tip),
             )
+            for page in SHEET_ORDER
             for row in ACTIONS
+            if row.page is page
         ]
 
     def show_help(self) -> None:

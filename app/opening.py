@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 TRIED_NAMES = 20
+SEVERAL_FILES = frozenset({"xio", "phone"})  # loggers that write one file a sensor
 SURE = 0.9  # a format that is surer than this need not be confirmed column by column
 
 
@@ -100,7 +101,7 @@ def used_files(preview: "FolderPreview") -> tuple[Path, ...]:
     kind = log.matches[0].format.name if log is not None and log.matches else None
 
     def is_sibling(file: "FilePreview") -> bool:
-        same = bool(file.matches) and file.matches[0].format.name == kind and kind != "table"
+        same = bool(file.matches) and file.matches[0].format.name == kind and kind in SEVERAL_FILES
         return file.role == "other" and log is not None and same and file.path.parent == log.path.parent
 
     return tuple(f.path for f in preview.files if f.role in ("imu", "audio", "survey") or is_sibling(f))

@@ -1,10 +1,11 @@
 """What the import and the processing noticed, in sentences, and the stretches that could not be assessed."""
 
 from collections.abc import Sequence
+from html import escape
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap
-from PySide6.QtWidgets import QAbstractItemView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, QUrl, Signal
+from PySide6.QtGui import QColor, QPainter, QPen, QPixmap, QTextDocument
+from PySide6.QtWidgets import QTextBrowser, QVBoxLayout, QWidget
 
 from processing import messages
 from processing.survey import Channel, Finding, Severity, Stretch
@@ -17,7 +18,8 @@ SIGNS = {
     Severity.REPAIRED: ("+", "#00805c"),
     Severity.INFO: ("i", "#0072b2"),
 }
-START_S = Qt.ItemDataRole.UserRole
+SIGN_PIXELS = 22
+MOMENT = "moment"  # the scheme of links that lead to a moment
 
 
 class FindingsPanel(QWidget):
@@ -28,36 +30,44 @@ class FindingsPanel(QWidget):
     def __init__(self, language: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._language = language
-        self._list = QListWidget()
-        self._list.setWordWrap(True)
-        self._list.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
-        self._list.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
-        self._list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._list.setSpacing(3)
-        self._list.setAccessibleName(self.tr("Findings"))
-        self._list.itemActivated.connect(self._on_item)
-        self._list.itemClicked.connect(self._on_item)
+        self._rows: list[tuple[Severity, str, float | None]] = []
+        self._browser = QTextBrowser()
+        self._browser.setOpenLinks(False)
+        self._browser.setAccessibleName(self.tr("Findings"))
+        self._browser.anchorClicked.connect(self._on_link)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._list)
+        layout.addWidget(self._browser)
 
     def set_content(
         self, findings: Sequence[Finding], not_assessed: Sequence[Stretch] = (), notes: Sequence[str] = ()
     ) -> None:
         """Show these findings and stretches; ``notes`` are sentences that come first."""
-        self._list.clear()
-        for note in notes:
-            self._add(note, Severity.WARNING)
+        self._rows = [(Severity.WARNING, note, None) for note in notes]
         for finding in sorted(findings, key=lambda f: ORDER.index(f.severity)):
-            self._add(messages.finding_sentence(finding, self._language), finding.severity)
+            self._rows.append((finding.severity, messages.finding_sentence(finding, self._language), None))
         for stretch in not_assessed:
-            self._add(self._stretch_text(stretch), Severity.MASKED).setData(START_S, stretch.start_s)
-        if self._list.count() == 0:
-            self._add(self.tr("Nothing to complain about."), Severity.INFO)
+            self._rows.append((Severity.MASKED, self._stretch_text(stretch), stretch.start_s))
+        if not self._rows:
+            self._rows.append((Severity.INFO, self.tr("Nothing to complain about."), None))
+        document = self._browser.document()
+        self._browser.clear()
+        for severity in Severity:
+            url = QUrl(f"sign:{severity.value}")
+            document.addResource(QTextDocument.ResourceType.ImageResource.value, url, severity_pixmap(severity))
+        lines = "".join(self._line(*row) for row in self._rows)
+        self._browser.setHtml(f"<table cellpadding='4' width='100%'>{lines}</table>")
 
     def texts(self) -> list[str]:
         """Return all sentences as shown."""
-        return [self._list.item(i).text() for i in range(self._list.count())]
+        return [text for _, text, _ in self._rows]
+
+    def _line(self, severity: Severity, text: str, start_s: float | None) -> str:
+        image = f"<img src='sign:{severity.value}' width='{SIGN_PIXELS}' title='{escape(severity_text(severity))}'>"
+        words = escape(text)
+        if start_s is not None:
+            words = f"<a href='{MOMENT}:{start_s!r}'>{words}</a>"
+        return f"<tr><td width='{SIGN_PIXELS + 4}'>{image}</td><td style='vertical-align: middle'>{words}</td></tr>"
 
     def _stretch_text(self, stretch: Stretch) -> str:
         what = self.tr("Path") if stretch.channel is Channel.PATH else self.tr("Sound")
@@ -66,19 +76,12 @@ class FindingsPanel(QWidget):
             what=what, start=clock_text(stretch.start_s), end=clock_text(stretch.end_s), reason=reason
         )
 
-    def _add(self, text: str, severity: Severity) -> QListWidgetItem:
-        item = QListWidgetItem(severity_icon(severity), text)
-        item.setToolTip(severity_text(severity))
-        self._list.addItem(item)
-        return item
-
-    def _on_item(self, item: QListWidgetItem) -> None:
-        start_s = item.data(START_S)
-        if start_s is not None:
-            self.moment_chosen.emit(float(start_s))
+    def _on_link(self, url: QUrl) -> None:
+        if url.scheme() == MOMENT:
+            self.moment_chosen.emit(float(url.path()))
 
 
-def severity_icon(severity: Severity, size: int = 22) -> QIcon:
+def severity_pixmap(severity: Severity, size: int = SIGN_PIXELS) -> QPixmap:
     """Return a round sign with the severity's letter."""
     sign, colour = SIGNS[severity]
     pixmap = QPixmap(size * 2, size * 2)
@@ -96,4 +99,4 @@ def severity_icon(severity: Severity, size: int = 22) -> QIcon:
     painter.setPen(QColor("white"))
     painter.drawText(0, 0, size, size, Qt.AlignmentFlag.AlignCenter, sign)
     painter.end()
-    return QIcon(pixmap)
+    return pixmap

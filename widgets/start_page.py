@@ -66,6 +66,9 @@ class StartPage(QWidget):
     def set_recent(self, paths: Sequence[str]) -> None:
         """Show the recent surveys, newest first."""
         self._recent.clear()
+        self._recent.setEnabled(bool(paths))
+        if not paths:
+            self._recent.addItem(self.tr("Nothing has been opened yet."))
         for text in paths:
             path = Path(text)
             item = QListWidgetItem(f"{path.stem}\n{path.parent}")
@@ -75,4 +78,6 @@ class StartPage(QWidget):
             self._recent.addItem(item)
 
     def _on_recent(self, item: QListWidgetItem) -> None:
-        self.recent_chosen.emit(item.data(PATH))
+        path = item.data(PATH)
+        if path is not None:
+            self.recent_chosen.emit(path)

@@ -16,14 +16,15 @@ class StepBar(QWidget):
 
     def __init__(self, pages: Sequence[tuple[str, str]], parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setFixedWidth(WIDTH)
+        self.setMinimumWidth(WIDTH)
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)  # as wide as its words
         self._layout = QVBoxLayout(self)
         self._layout.setContentsMargins(4, 6, 4, 4)
         self._layout.setSpacing(4)
         self._group = QButtonGroup(self)
         self._buttons: dict[str, QToolButton] = {}
         for number, (key, text) in enumerate(pages, start=1):
-            button = self._button(f"{number}  {text}", 52)
+            button = self._button(f"{number} {text}", 52)
             button.setObjectName(f"page_{key}")
             button.setCheckable(True)
             button.clicked.connect(lambda _checked=False, k=key: self.page_chosen.emit(k))
