@@ -132,7 +132,7 @@ class PositionSettings:
     heading_walk: float = tunable(0.05, "°/√s", 0.0, 5.0, "gyro noise and scale along the spin axis")
     magnetic_sigma_deg: float = tunable(8.0, "°", 0.5, 90.0, "magnetic heading near pipes (navigation §6.2)")
     # the fit
-    length_sigma_pct: float = tunable(0.1, "%", 0.001, 10.0, "how well a pipe's length is known, on top of 0.5 m")
+    length_sigma_pct: float = tunable(0.2, "%", 0.001, 10.0, "how well a pipe's length is known, on top of 0.1 m")
     tie_time_sigma_s: float = tunable(0.3, "s", 0.0, 60.0, "reaction time of whoever notes a tie point")
     outlier_sigmas: float = tunable(3.0, "sigma", 1.5, 10.0, "a tie point that the others miss by more is held down")
 

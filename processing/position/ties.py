@@ -16,7 +16,7 @@ from processing.survey import Finding, FloatArray, Params, Severity, Survey, Tie
 
 LENGTH = "\0length"  # no tie point can have this name
 _SIGMA_FLOOR_M = 0.01
-_LENGTH_SIGMA_M = 0.5
+_LENGTH_SIGMA_M = 0.1
 _SPEED_WINDOW_S = 4.0
 
 
