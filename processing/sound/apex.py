@@ -10,7 +10,9 @@ from processing.survey import FloatArray
 INFLATION = 7.0  # the least-squares sigma is that much too small in truth (acoustics §5.1 step 11: 5 to 10)
 _MIN_SIGMA_M = 0.05
 _REACH_WIDTHS, _REACH_M = 3.0, 3.0
-_MAX_WIDTH_M = 12.0
+_MIN_WIDTH_M, _MAX_WIDTH_M = 0.15, 12.0
+_ROOM_M, _ROOM_WIDTHS = 1.0, 0.75  # how far the apex may lie from where the peak was seen
+_MIN_LEVEL = 0.175  # of the height: 0.7 dB
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,11 @@ class Apex:
     sigma_m: float
     width_m: float
     height: float
+
+    @property
+    def is_convincing(self) -> bool:
+        """Whether the fit shows a rise and fall at all, neither flat nor without an end."""
+        return self.height >= _MIN_LEVEL and self.width_m <= 0.95 * _MAX_WIDTH_M
 
 
 def fit_apex(chainage_m: FloatArray, excess: FloatArray, near_m: float, width_m: float) -> Apex:
@@ -37,8 +44,9 @@ def fit_apex(chainage_m: FloatArray, excess: FloatArray, near_m: float, width_m:
         return unfitted
     floor = min(0.0, float(e.min()))
     start = (min(max(float(np.percentile(e, 95)), 1e-6), 2 * height), near_m, width_m, max(0.0, floor))
-    low = (0.0, near_m - reach / 2, 0.15, floor - 1.0)
-    high = (10 * height + 1e-3, near_m + reach / 2, _MAX_WIDTH_M, height + 1e-3)
+    room = min(max(_ROOM_M, _ROOM_WIDTHS * width_m), reach / 2)
+    low = (0.0, max(near_m - room, float(s[0]) - 1e-6), _MIN_WIDTH_M, floor - 1.0)
+    high = (10 * height + 1e-3, min(near_m + room, float(s[-1]) + 1e-6), _MAX_WIDTH_M, height + 1e-3)
     try:
         # noise of a power grows with the power: weigh the flanks as much as the top
         found, covariance = optimize.curve_fit(

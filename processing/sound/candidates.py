@@ -41,6 +41,8 @@ DETECTORS: Mapping[str, Callable[[Listening], list[Spot]]] = {
 _METRES_AT_LEAST_M = 15.0  # below it there are not enough cells for the statistics of the bands
 _UNHEARD_S = 1.0
 _BUMP_SHARE = 0.5
+_BUMP_WIDTH_M = 0.2  # narrower than any leak is heard, even with the nose on it
+_NO_LEAK_FACTOR = 0.3  # on the score of what is labelled as something else
 _LIKELY = 0.5
 _STAND_S = 2.0
 _FADE_DB = 3.0
@@ -100,6 +102,7 @@ def find_candidates(
     spots = DETECTORS[method](listening) if frames.counts.any() and (track is None or cells is not None) else []
     progress.update(0.9)
     placed = [_placed(spot, track if cells is not None else None, clock, listening) for spot in spots]
+    placed = [candidate for candidate in placed if candidate.score >= settings.min_score]
     placed.sort(key=lambda candidate: -candidate.score)
     candidates = tuple(_numbered(candidate, number) for number, candidate in enumerate(placed, 1))
     band = (float(scan.bands_hz[-1, 0]), float(scan.bands_hz[-1, 1]))
@@ -154,7 +157,7 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
         leak_class = _class_of(spot, evidence)
         return Candidate(
             id=0, time_s=spot.place, chainage_m=nan, chainage_low95_m=nan, chainage_high95_m=nan,
-            position_w_m=_NAN_PLACE, score=spot.score, level_db=spot.level_db, leak_class=leak_class,
+            position_w_m=_NAN_PLACE, score=_score_of(spot, leak_class), level_db=spot.level_db, leak_class=leak_class,
             band_hz=spot.band_hz, width_m=nan, evidence=evidence,
         )  # fmt: skip
     reached, left = times_at(track, spot.place)
@@ -167,6 +170,7 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
     evidence |= {"sigma_path_m": sigmas[0], "sigma_clock_m": sigmas[1], "speed_mps": speed}
     evidence |= _standing(spot, listening)
     east, north, up = (float(x) for x in at.position_w_m[0])
+    leak_class = _class_of(spot, evidence)
     return Candidate(
         id=0,
         time_s=time_s,
@@ -174,9 +178,9 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
         chainage_low95_m=spot.place - half,
         chainage_high95_m=spot.place + half,
         position_w_m=(east, north, up),
-        score=spot.score,
+        score=_score_of(spot, leak_class),
         level_db=spot.level_db,
-        leak_class=_class_of(spot, evidence),
+        leak_class=leak_class,
         band_hz=spot.band_hz,
         width_m=spot.width,
         evidence=evidence,
@@ -203,11 +207,15 @@ def _standing(spot: Spot, listening: Listening) -> dict[str, str | float]:
 
 
 def _class_of(spot: Spot, evidence: Mapping[str, str | float]) -> LeakClass:
-    if float(evidence.get("impulsive_share", 0.0)) > _BUMP_SHARE:
+    if float(evidence.get("impulsive_share", 0.0)) > _BUMP_SHARE or spot.width <= _BUMP_WIDTH_M:
         return LeakClass.BUMP
     if float(evidence.get("faded_db", 0.0)) > max(_FADE_DB, 0.5 * spot.level_db):
         return LeakClass.TRAFFIC
     return LeakClass.LEAK if spot.score >= _LIKELY else LeakClass.UNKNOWN
+
+
+def _score_of(spot: Spot, leak_class: LeakClass) -> float:
+    return spot.score if leak_class in (LeakClass.LEAK, LeakClass.UNKNOWN) else _NO_LEAK_FACTOR * spot.score
 
 
 def _unheard(scan: SoundScan, clock: ClockMap, track: Track | None) -> tuple[Stretch, ...]:

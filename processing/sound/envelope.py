@@ -14,13 +14,13 @@ from processing.sound.apex import fit_apex
 from processing.sound.background import bridged, lower_sigma, running_median
 from processing.sound.cells import DB_PER_LN, Cells, Frames, band_log_power, excess_of, impulses
 from processing.sound.matching import peaks_apart
-from processing.sound.spots import Listening, Spot
+from processing.sound.spots import UNCONVINCING, Listening, Spot
 from processing.survey import BoolArray, FloatArray
 
 _APART_M, _APART_S = 5.0, 8.0
 _MIN_SHARE = 0.15  # of a smoothing window must have been heard
 _COARSE_S = 0.5
-_MIN_SIGMA = 0.03  # of the log envelope: below it the scatter is the rounding of the levels
+_MIN_SIGMA = 0.12  # of the log envelope: no real pipe is steadier than half a decibel
 _LOGISTIC = (9.4, 5.5)  # fitted on 16 synthetic drifts as in acoustics §5.2, half of them with another leak shape
 
 
@@ -59,9 +59,8 @@ def find_by_envelope(listening: Listening) -> list[Spot]:
         }
         band = (float(scan.bands_hz[-1, 0]), float(scan.bands_hz[-1, 1]))
         level = float(np.log1p(apex.height) * DB_PER_LN)
-        spots.append(
-            Spot(apex.chainage_m, apex.sigma_m, apex.width_m, float(probability[frame]), level, band, evidence)
-        )
+        score = float(probability[frame]) * (1.0 if apex.is_convincing else UNCONVINCING)
+        spots.append(Spot(apex.chainage_m, apex.sigma_m, apex.width_m, score, level, band, evidence))
     return spots
 
 

@@ -22,6 +22,8 @@ _LOW_HZ = 300.0  # bends, valves and traffic rumble below
 _TRIM_SHARE = 0.07
 _TRIM_PASSES = 3
 _SHRINK = 0.5  # half-way to the diagonal: neither full whitening nor none does as well (acoustics §5.2)
+_STANDS_OUT = 5.0
+_MIN_USUAL_SHARE = 0.4
 _LOGISTIC = (8.99, 4.43)  # fitted on labelled synthetic runs (acoustics §5.1 step 10)
 
 
@@ -57,15 +59,36 @@ def nuisance_spectra(bands_hz: FloatArray) -> FloatArray:
 
 
 def matched(excess: FloatArray, bands_hz: FloatArray, heard: BoolArray) -> Matched:
-    """Return the score of each cell from ``excess`` (n, b) over its bands (b, 2); −inf where not ``heard``."""
+    """Return the score of each cell from ``excess`` (n, b) over its bands (b, 2); −inf where not ``heard``.
+
+    Twice: what stands out at first is left out of the statistics of the second round, so that a strong leak on a short
+    run does not hide itself.
+    """
+    first = _matched(excess, bands_hz, heard, heard)
+    usual = heard & ~_around(first)
+    if np.count_nonzero(usual) < _MIN_USUAL_SHARE * np.count_nonzero(heard):
+        return first
+    return _matched(excess, bands_hz, heard, usual)
+
+
+def _around(result: Matched) -> BoolArray:
+    """Return the cells within two half-widths of a score that stands out."""
+    near = np.zeros(len(result.score), np.bool_)
+    for cell in np.flatnonzero(result.score >= _STANDS_OUT):
+        reach = int(np.ceil(2 * result.width_m[cell] / CELL_M))
+        near[max(0, cell - reach) : cell + reach + 1] = True
+    return near
+
+
+def _matched(excess: FloatArray, bands_hz: FloatArray, heard: BoolArray, usual: BoolArray) -> Matched:
     leaks, rivals = leak_spectra(bands_hz), nuisance_spectra(bands_hz)
     best = np.full(len(excess), -np.inf)
     width, spectrum = np.zeros(len(excess)), np.zeros(len(excess), np.int64)
     rival = np.full(len(excess), -np.inf)
     for width_m in WIDTHS_M:
         shaped = shape_filtered(excess, width_m)
-        precision = np.asarray(np.linalg.inv(_shrunk_covariance(shaped[heard])), np.float64)
-        score, which, low = _conditional_scores(shaped, precision, leaks, rivals, heard)
+        precision = np.asarray(np.linalg.inv(_shrunk_covariance(shaped[usual])), np.float64)
+        score, which, low = _conditional_scores(shaped, precision, leaks, rivals, usual)
         better = score > best
         best[better], width[better], spectrum[better] = score[better], width_m, which[better]
         rival = np.maximum(rival, low)
@@ -110,11 +133,11 @@ def peaks_apart(score: FloatArray, chainage_m: FloatArray, apart_m: FloatArray, 
 
 
 def _conditional_scores(
-    shaped: FloatArray, precision: FloatArray, leaks: FloatArray, rivals: FloatArray, heard: BoolArray
+    shaped: FloatArray, precision: FloatArray, leaks: FloatArray, rivals: FloatArray, usual: BoolArray
 ) -> tuple[FloatArray, npt.NDArray[np.int64], FloatArray]:
     """Return the best leak score once each rival that is there is taken out, its spectrum, and the best rival score."""
-    leak_score, leak_norm = _whitened(shaped, precision, leaks, heard)
-    rival_score, rival_norm = _whitened(shaped, precision, rivals, heard)
+    leak_score, leak_norm = _whitened(shaped, precision, leaks, usual)
+    rival_score, rival_norm = _whitened(shaped, precision, rivals, usual)
     likeness = (leaks.T @ precision @ rivals) / leak_norm[:, None] / rival_norm[None, :]
     likeness = np.clip(likeness, -0.95, 0.95)
     lowest = leak_score.copy()
@@ -128,13 +151,13 @@ def _conditional_scores(
 
 
 def _whitened(
-    shaped: FloatArray, precision: FloatArray, spectra: FloatArray, heard: BoolArray
+    shaped: FloatArray, precision: FloatArray, spectra: FloatArray, usual: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return T = d'C⁻¹z / √(d'C⁻¹d) scaled by its own robust sigma, (n, k), and the norms (k,)."""
     weights = precision @ spectra
     norm = np.sqrt(np.einsum("bk,bk->k", spectra, weights))
     score = shaped @ (weights / norm)
-    sigma = np.array([robust_sigma(column) for column in score[heard].T])
+    sigma = np.array([robust_sigma(column) for column in score[usual].T])
     return score / np.maximum(sigma, 1e-9), norm
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from processing.sound.apex import fit_apex
 from processing.sound.cells import DB_PER_LN, Cells, excess_of
 from processing.sound.matching import Matched, confidence, matched, peaks_apart
-from processing.sound.spots import Listening, Spot
+from processing.sound.spots import UNCONVINCING, Listening, Spot
 from processing.survey import FloatArray
 
 _APART_M, _APART_WIDTHS = 5.0, 1.5
@@ -47,7 +47,7 @@ def _spot(
         place=apex.chainage_m,
         sigma=apex.sigma_m,
         width=apex.width_m,
-        score=probability,
+        score=probability if apex.is_convincing else UNCONVINCING * probability,
         level_db=float(np.log1p(apex.height) * DB_PER_LN),
         band_hz=(float(bands_hz[wins, 0].min()), float(bands_hz[wins, 1].max())),
         evidence={

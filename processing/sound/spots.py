@@ -6,6 +6,8 @@ from processing.settings import DetectorSettings
 from processing.sound.cells import Cells, Frames
 from processing.sound.scan import SoundScan
 
+UNCONVINCING = 0.3  # on the score where the fit shows no rise and fall at the place
+
 
 @dataclass(frozen=True)
 class Listening:
