@@ -16,12 +16,16 @@ from widgets.findings_panel import severity_pixmap
 LEFT = Qt.MouseButton.LeftButton
 
 
+def make_sink(_rate_hz):
+    return CountingSink()
+
+
 @pytest.fixture
 def application(qapp, qtbot, tmp_path):
     before = qapp.styleSheet(), qapp.font(), qapp.palette()
     preferences = PreferencesStore(tmp_path / "preferences.json")
     preferences.change(language="en")
-    application = Application(qapp, preferences, None, lambda _rate: CountingSink(), lambda: None)
+    application = Application(qapp, preferences, None, make_sink, lambda: None)
     application.window.boxes = AnsweringBoxes()
     application.window.show()
     qtbot.waitUntil(lambda: not application.services.jobs.running)
@@ -141,7 +145,7 @@ def test_a_long_job_shows_its_line_and_can_be_cancelled_there(application, qtbot
             threading.Event().wait(0.002)
 
     application.services.jobs.start(step, title="endless")
-    qtbot.waitUntil(lambda: window._strip.isVisible(), timeout=5000)
+    qtbot.waitUntil(window._strip.isVisible, timeout=5000)
     QTest.mouseClick(window.findChild(QPushButton, "cancel_job"), LEFT)
     qtbot.waitUntil(lambda: not application.services.jobs.running)
     assert not window._strip.isVisible()
