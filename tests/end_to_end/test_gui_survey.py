@@ -4,14 +4,14 @@ import csv
 
 import pytest
 from answering import AnsweringBoxes, CountingSink
-from app.jobs import Jobs
-from app.main_window import MainWindow, Services
-from app.settings import PreferencesStore
-from app.survey_session import SurveySession
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from app.jobs import Jobs
+from app.main_window import MainWindow, Services
+from app.settings import PreferencesStore
+from app.survey_session import SurveySession
 from processing.simulation.run import simulate
 from processing.simulation.scenarios import load_scenario
 from processing.simulation.writing import write_run
