@@ -91,6 +91,18 @@ def matches_of(path: Path) -> tuple[Match, ...]:
         return ()
 
 
+def imu_of(path: Path, files: tuple[Path, ...], options: ImportOptions) -> tuple[Path | None, tuple[Finding, ...]]:
+    """Return the IMU log of the recording at ``path``: the told one, ``path`` where it is a file, or the likeliest.
+
+    The findings say where others may be it, too.
+    """
+    if options.imu_file is not None:
+        return options.imu_file, ()
+    if path.is_file() and path.name != SURVEY_FILE and not is_audio(path):
+        return path, ()
+    return choose_imu(folder_of(path), files)
+
+
 def choose_imu(folder: Path, files: tuple[Path, ...]) -> tuple[Path | None, tuple[Finding, ...]]:
     """Return the file that is most likely the IMU log, and a finding where others may be one too.
 

@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
-from processing.importing.choosing import choose_imu, files_of, folder_of, read_imu, read_survey, survey_of
+from processing.importing.choosing import files_of, folder_of, imu_of, read_imu, read_survey, survey_of
 from processing.importing.doctor import Examined, examine
 from processing.importing.options import ImportOptions
 from processing.importing.preview import FilePreview, FolderPreview, preview_folder
@@ -43,10 +43,8 @@ def import_folder(
     survey, survey_findings, survey_file = survey_of(path)
     folder, files = folder_of(path), files_of(path)
     findings = list(survey_findings)
-    imu_file = options.imu_file
-    if imu_file is None:
-        imu_file, more = choose_imu(folder, files)
-        findings += more
+    imu_file, more = imu_of(path, files, options)
+    findings += more
     sounds, more = (options.audio_files, ()) if options.audio_files else pick_audio(folder, files, survey.audio)
     findings += more
     if imu_file is None and not sounds:

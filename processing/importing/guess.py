@@ -35,6 +35,9 @@ _TIME = _set(
 _COUNTER = _set("packetcounter counter count sample samples index idx timeindex frame no nr n sampleno row")
 _PRESSURE = _set("pressure press baro barometer basınç basinc p")
 _TEMPERATURE = _set("temperature temp sıcaklık sicaklik")
+_ENDING = re.compile(
+    r"_(mps2|radps|dps|deg_?s|ut|mg|g|rads|m_s2|rad_s|ms2|s|ms|us|ns|kpa|hpa|pa|mbar|c)$", re.IGNORECASE
+)
 _QUAT_AXES = {"0": "w", "1": "x", "2": "y", "3": "z"}
 
 
@@ -146,7 +149,9 @@ def _unit(kind: str, name: str, unit: str) -> str:
     known = unit_named(kind, unit)
     if known != AUTO:
         return known
-    ending = re.search(r"_(mps2|radps|dps|deg_?s|ut|mg|g|rads|m_s2|rad_s|ms2|s|ms|us|ns|kpa|c)$", name, re.IGNORECASE)
+    ending = re.search(
+        r"_(mps2|radps|dps|deg_?s|ut|mg|g|rads|m_s2|rad_s|ms2|s|ms|us|ns|kpa|hpa|pa|mbar|c)$", name, re.IGNORECASE
+    )
     aliases = {"deg_s": "deg/s", "degs": "deg/s", "m_s2": "m/s2", "ms2": "m/s2", "rad_s": "rad/s"}
     text = ending[1].casefold() if ending else ""
     return unit_named(kind, aliases.get(text, text))

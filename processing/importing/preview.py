@@ -9,9 +9,9 @@ from processing.errors import ErrorCode, LeaklineError, Place
 from processing.importing import registry
 from processing.importing.choosing import (
     SURVEY_FILE,
-    choose_imu,
     files_of,
     folder_of,
+    imu_of,
     is_text,
     read_imu,
     read_survey,
@@ -114,7 +114,7 @@ def preview_folder(path: Path, options: ImportOptions | None = None) -> FolderPr
         survey = read_survey(path)
     except LeaklineError as fault:
         error = fault
-    imu, more = choose_imu(folder, files) if options.imu_file is None else (options.imu_file, ())
+    imu, more = imu_of(path, files, options)
     findings += more
     sounds: tuple[Path, ...] = options.audio_files or ()
     if not sounds:

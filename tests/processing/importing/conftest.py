@@ -1,5 +1,7 @@
 """Physically right IMU rows to write real-shaped logs from: what the accelerometer feels follows from the turn."""
 
+import copy
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +40,11 @@ def write_table(path, table, separator=",", number="%.7f", encoding="utf-8", end
 
 def make_rows(seconds=20.0, rate_hz=100.0, seed=1, spin=3.0, noise=True):
     """Rest for a quarter, tumble with up to ``spin`` rad/s, rest for a quarter."""
+    return copy.deepcopy(_made(seconds, rate_hz, seed, spin, noise))
+
+
+@functools.cache
+def _made(seconds, rate_hz, seed, spin, noise):
     rng = np.random.default_rng(seed)
     time = np.arange(round(seconds * rate_hz)) / rate_hz
     phase = np.clip((time - seconds / 4) / (seconds / 2), 0, 1)
