@@ -22,6 +22,7 @@ _LOW_HZ = 300.0  # bends, valves and traffic rumble below
 _TRIM_SHARE = 0.07
 _TRIM_PASSES = 3
 _SHRINK = 0.5  # half-way to the diagonal: neither full whitening nor none does as well (acoustics §5.2)
+_SHORT_RUN_M = 300.0
 _STANDS_OUT = 5.0
 _MIN_USUAL_SHARE = 0.4
 _LOGISTIC = (8.99, 4.43)  # fitted on labelled synthetic runs (acoustics §5.1 step 10)
@@ -61,12 +62,13 @@ def nuisance_spectra(bands_hz: FloatArray) -> FloatArray:
 def matched(excess: FloatArray, bands_hz: FloatArray, heard: BoolArray) -> Matched:
     """Return the score of each cell from ``excess`` (n, b) over its bands (b, 2); −inf where not ``heard``.
 
-    Twice: what stands out at first is left out of the statistics of the second round, so that a strong leak on a short
-    run does not hide itself.
+    On a short run a strong leak is a good part of the statistics and would hide itself: there, what stands out at first
+    is left out of the statistics of a second round. On a long run one round finds slightly more.
     """
     first = _matched(excess, bands_hz, heard, heard)
     usual = heard & ~_around(first)
-    if np.count_nonzero(usual) < _MIN_USUAL_SHARE * np.count_nonzero(heard):
+    count = np.count_nonzero(heard)
+    if count * CELL_M > _SHORT_RUN_M or np.count_nonzero(usual) < _MIN_USUAL_SHARE * count:
         return first
     return _matched(excess, bands_hz, heard, usual)
 

@@ -91,7 +91,7 @@ def test_knocks_at_the_start_only_leave_the_drift_in_doubt_and_say_so(tmp_path):
     assert clock.sigma_s == pytest.approx(30e-6 * 300, rel=0.3)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_independent_noise_is_never_aligned(tmp_path, seed):
     clock, codes = aligned(tmp_path, ClockMap(), [], 300, seed=seed, strangers=[0, 15, 40, 120][seed % 4])
     assert (clock.start_s, clock.drift_ppm, clock.basis) == (0.0, 0.0, "assumed")
