@@ -16,6 +16,7 @@ import numpy.typing as npt
 log = logging.getLogger(__name__)
 
 BLOCK_S = 0.05
+LATENCY_S = 0.25  # a busy laptop must not make it stutter; the cursor takes it into account
 FloatBlock = npt.NDArray[np.float32]
 ReadFrames = Callable[[int, int], FloatBlock]  # start frame, count -> up to count samples
 
@@ -32,6 +33,9 @@ class Sink(Protocol):
     def write(self, block: FloatBlock) -> None:
         """Take one block, waiting while the buffer is full; raises OSError when the device is gone."""
 
+    def drain(self) -> None:
+        """Wait until what was taken has been heard."""
+
     def close(self) -> None:
         """Stop at once and let the device go."""
 
@@ -47,6 +51,10 @@ class _PortAudioSink:
         except Exception as error:  # PortAudioError derives from Exception directly
             raise OSError(str(error)) from error
 
+    def drain(self) -> None:
+        # not by stop(): behind ALSA's plugins it drops what they hold. Silence pushes the last samples through instead
+        self.write(np.zeros(int((2.0 * self.latency_s + 0.1) * self._stream.samplerate), np.float32))
+
     def close(self) -> None:
         self._stream.abort()
         self._stream.close()
@@ -57,7 +65,7 @@ def open_sink(sample_rate_hz: float) -> Sink:
     sounddevice = _library()
     try:
         stream = sounddevice.OutputStream(
-            samplerate=sample_rate_hz, channels=1, dtype="float32", latency="high", blocksize=0
+            samplerate=sample_rate_hz, channels=1, dtype="float32", latency=LATENCY_S, blocksize=0
         )
         stream.start()
     except Exception as error:
@@ -159,4 +167,5 @@ class Playback:
             self._sink.write(np.clip(block * np.float32(self._gain()), -1.0, 1.0))
             with self._lock:
                 self._written = at + block.size
-        self._stop.wait(self._sink.latency_s)  # let the card play out what it holds
+        if not self._stop.is_set():
+            self._sink.drain()

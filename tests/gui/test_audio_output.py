@@ -25,6 +25,9 @@ class CountingSink:
             raise OSError("the card is gone")
         self.blocks.append(block.copy())
 
+    def drain(self):
+        self.drained = not self.closed.is_set()
+
     def close(self):
         self.closed.set()
 
@@ -47,6 +50,7 @@ def test_exactly_the_asked_samples_are_played_in_bounded_blocks():
     np.testing.assert_array_equal(np.concatenate(sink.blocks), SOUND[1000:9000])
     assert max(map(len, sink.blocks)) <= BLOCK_S * RATE_HZ
     assert playback.position == 9000
+    assert sink.drained  # the last moment is heard too
     assert playback.error is None
 
 

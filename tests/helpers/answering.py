@@ -15,6 +15,9 @@ class CountingSink:
         time.sleep(0.002)
         self.frames += block.size
 
+    def drain(self):
+        pass
+
     def close(self):
         self.closed = True
 
