@@ -1,12 +1,15 @@
 """The whole job without a window: a folder in, the report's files out."""
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
+from processing.importing.choosing import SURVEY_FILE, folder_of
 from processing.importing.folder import ImportOptions, read_survey
+from processing.importing.sound_files import pick_audio, raw_form_of
 from processing.importing.survey_toml import apply_override
 from processing.pipeline import process, read_recording
 from processing.progress import Progress
@@ -17,6 +20,14 @@ from processing.storage.cache import Cache
 from processing.storage.folder import SurveyFolder, is_survey_folder
 from processing.storage.review import ReviewStore
 from processing.survey import Decision, Survey
+
+_ABOUT_WHAT_WAS_TOLD = (
+    ErrorCode.SETTING_INVALID,
+    ErrorCode.CRS_UNKNOWN,
+    ErrorCode.LAUNCH_INCOMPLETE,
+    ErrorCode.LAUNCH_INVALID,
+    ErrorCode.PATH_IMPOSSIBLE,
+)
 
 
 def process_folder(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
@@ -32,12 +43,16 @@ def process_folder(path: Path, out: Path, overrides: list[str], language: str, p
     _check_writable(out)
     if is_survey_folder(path):
         return _process_project(path, out, overrides, language, progress)
+    with _naming(path, overrides):
+        return _process_device_folder(path, out, overrides, language, progress)
+
+
+def _process_device_folder(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
     survey, settings = _overridden(read_survey(path), Settings(), overrides)
+    options = _told_sound(path, survey, overrides)
     with tempfile.TemporaryDirectory(prefix="leakline-", ignore_cleanup_errors=True) as scratch:
         cache = Cache(Path(scratch))
-        recording = read_recording(
-            path, ImportOptions(), settings.importing, cache, progress.part(0.0, 0.3, "importing")
-        )
+        recording = read_recording(path, options, settings.importing, cache, progress.part(0.0, 0.3, "importing"))
         results = process(survey, recording, settings, cache, progress.part(0.3, 0.9))
         write_exports(results, {}, out, progress.part(0.9, 1.0), language)
     return results
@@ -67,6 +82,30 @@ def _overridden(survey: Survey, settings: Settings, overrides: list[str]) -> tup
     for words in overrides:
         survey, settings = apply_override(survey, settings, words)
     return survey, settings
+
+
+def _told_sound(path: Path, survey: Survey, overrides: list[str]) -> ImportOptions:
+    """Return import options with the sound that ``--set`` names: import itself knows only what survey.toml says."""
+    told = {words.partition("=")[0].strip() for words in overrides}
+    files = None
+    if "audio.file" in told and survey.audio.file:
+        files, _ = pick_audio(folder_of(path), (), survey.audio)
+    form = raw_form_of(survey.audio) if any(name.startswith("audio.raw_") for name in told) else None
+    return ImportOptions(audio_files=files, raw_form=form)
+
+
+@contextmanager
+def _naming(path: Path, overrides: list[str]) -> Iterator[None]:
+    """Say of an error that names no file which one it is about: what was told, else the recording itself."""
+    try:
+        yield
+    except LeaklineError as error:
+        name = str(error.params.get("name", ""))
+        if error.place is not None or any(words.partition("=")[0].strip() == name for words in overrides):
+            raise
+        told = folder_of(path) / SURVEY_FILE
+        about_told = error.code in _ABOUT_WHAT_WAS_TOLD and told.is_file()
+        raise LeaklineError(error.code, Place(told if about_told else path), **error.params) from error
 
 
 def _check_writable(out: Path) -> None:

@@ -63,14 +63,20 @@ def _as_leakline_error(error: OSError) -> LeaklineError:
     return LeaklineError(ErrorCode.FILE_UNREADABLE, place, reason=error.strerror or str(error))
 
 
-def parser() -> OneLineParser:
-    """Return the grammar of the command line."""
+def _common_words() -> OneLineParser:
+    """Return the words that may stand before and after the command."""
     common = OneLineParser(add_help=False)
     common.add_argument("--debug", action="store_true", default=argparse.SUPPRESS, help="show tracebacks")
     common.add_argument("--language", choices=messages.LANGUAGES, default=argparse.SUPPRESS, help="of what is said")
+    return common
+
+
+def parser() -> OneLineParser:
+    """Return the grammar of the command line."""
+    common = _common_words()
     top = OneLineParser(
         prog="leakline",
-        parents=[common],
+        parents=[_common_words()],  # its own: set_defaults below must not reach those of the commands
         description="Finds water leaks from one run of a sensor ball. Without a command it opens the window.",
     )
     top.set_defaults(debug=False, language="en", handler=_window, path=None)

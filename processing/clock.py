@@ -186,7 +186,8 @@ def _best_line(
     """
     if len(survey_s) < min_pairs:
         return None
-    lowest = float(shift_s.min() - np.ptp(survey_s) * np.abs(drifts).max())
+    # the pairs may all lie at one end, far from the middle
+    lowest = float(shift_s.min() - np.abs(survey_s - middle_s).max() * np.abs(drifts).max())
 
     def counted(drift: float) -> npt.NDArray[np.int64]:
         offsets = shift_s - drift * (survey_s - middle_s)

@@ -37,6 +37,7 @@ class ErrorCode(StrEnum):
     LAUNCH_INCOMPLETE = "launch_incomplete"
     LAUNCH_INVALID = "launch_invalid"
     TIE_POINTS_IMPOSSIBLE = "tie_points_impossible"
+    PATH_IMPOSSIBLE = "path_impossible"
     REPORT_FAILED = "report_failed"
     SCENARIO_UNKNOWN = "scenario_unknown"
 

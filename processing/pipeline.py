@@ -33,6 +33,7 @@ from processing.survey import (
     ImportedFile,
     ImuSamples,
     Recording,
+    Severity,
     Stretch,
     Survey,
     Track,
@@ -42,6 +43,8 @@ T = TypeVar("T")
 
 # raised when a step's result changes for the same input, so that old caches are not believed
 VERSIONS = {"recording": 1, "attitude": 1, "track": 1, "scan": 1, "clock": 1, "candidates": 1}
+
+FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast
 
 
 @dataclass(frozen=True)
@@ -104,10 +107,12 @@ def process(
     """Derive everything from a recording: path, levels, candidates, and what could not be assessed.
 
     Raises:
-        LeaklineError: NO_IMU where there is neither motion nor sound.
+        LeaklineError: NO_IMU where there is neither motion nor sound; PATH_IMPOSSIBLE where what was told makes the
+            device faster than ``FASTEST_MPS``.
         Cancelled: when the operator stops it; what was finished stays in the cache.
     """
     steps = _Steps(cache, progress or silent())
+    recording = _told_channel(recording, survey)
     imu, audio = recording.imu, recording.audio
     if imu is None and audio is None:
         raise LeaklineError(ErrorCode.NO_IMU)
@@ -205,7 +210,28 @@ def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, im
         lambda: find_track(imu, oriented.attitude, survey, settings.position, progress),
         Track,
     )
+    _check_speed(track)
     return oriented, track
+
+
+def _check_speed(track: Track) -> None:
+    """Refuse a path that no device can have gone: its levels, metre by metre, would not fit into the memory."""
+    length_m, duration_s = float(track.chainage_m[-1]), float(track.time_s[-1] - track.time_s[0])
+    if not length_m <= FASTEST_MPS * duration_s + 1000.0:
+        raise LeaklineError(ErrorCode.PATH_IMPOSSIBLE, length_m=length_m, duration_s=duration_s)
+
+
+def _told_channel(recording: Recording, survey: Survey) -> Recording:
+    """Return the recording with the channel that the survey names now: it may be chosen after the import."""
+    audio, wanted = recording.audio, survey.audio.channel
+    if audio is None or audio.channel == wanted:
+        return recording
+    if wanted < audio.channels:
+        return replace(recording, audio=replace(audio, channel=wanted))
+    missing = Finding("audio_channel_missing", Severity.WARNING, {"channel": wanted, "channels": audio.channels})
+    if missing in recording.findings:
+        return recording
+    return replace(recording, findings=(*recording.findings, missing))
 
 
 def _sound(

@@ -18,7 +18,7 @@ from processing.settings import ImportSettings
 from processing.survey import BoolArray, Channel, Finding, FloatArray, Severity, Stretch
 
 _RESTART_PAUSE_S = 1.0
-_WILD_S = 1e8
+_WILD_S = 86_400.0  # a day from the middle of the log: another run, or a clock that was set meanwhile
 _LOOK_BACK_ROWS = 2_000_000
 MIN_ROWS = 16
 

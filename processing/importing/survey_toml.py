@@ -106,7 +106,10 @@ def _values(
         if key not in known:
             unknown.append(f"{table}.{key}")
             continue
-        values[key] = keys.checked(known[key], f"{table}.{key}", raw, keys.place_of(path, text, table, key, nth))
+        try:
+            values[key] = keys.checked(known[key], f"{table}.{key}", raw)
+        except LeaklineError as fault:  # only now: looking for the line of each of a thousand tie points takes a minute
+            raise LeaklineError(fault.code, keys.place_of(path, text, table, key, nth), **fault.params) from None
     return values
 
 
@@ -118,13 +121,14 @@ def _tie_points(path: Path, text: str, given: object, unknown: list[str]) -> tup
     points = []
     for nth, raw in enumerate(given):
         values: dict[str, Any] = _values(path, text, "tie_points", raw, keys.TIE_POINT, unknown, nth)
-        here = keys.place_of(path, text, "tie_points", "", nth)
         if "time_s" not in values:
+            here = keys.place_of(path, text, "tie_points", "", nth)
             raise LeaklineError(ErrorCode.KEY_MISSING, here, name="tie_points.time_s")
         values.setdefault("name", f"{nth + 1}")
         point = TiePoint(**values)
         _check_pair(path, text, "tie_points", nth, point)
         if point.chainage_m is None and point.latitude is None and point.east_m is None:
+            here = keys.place_of(path, text, "tie_points", "", nth)
             raise LeaklineError(ErrorCode.KEY_MISSING, here, name="tie_points.chainage_m")
         points.append(point)
     return tuple(points)

@@ -40,9 +40,11 @@ def fit_apex(chainage_m: FloatArray, excess: FloatArray, near_m: float, width_m:
     s, e = chainage_m[inside], excess[inside]
     height = float(np.max(e, initial=0.0))
     unfitted = Apex(near_m, max(width_m / 2, _MIN_SIGMA_M), width_m, max(height, 1e-6))
-    if len(s) < 6 or height <= 0:
+    # a peak may have been seen beyond the last place that was heard: there is nothing to fit around it
+    if len(s) < 6 or height <= 0 or not s[0] <= near_m <= s[-1]:
         return unfitted
     floor = min(0.0, float(e.min()))
+    width_m = min(max(width_m, _MIN_WIDTH_M), _MAX_WIDTH_M)
     start = (min(max(float(np.percentile(e, 95)), 1e-6), 2 * height), near_m, width_m, max(0.0, floor))
     room = min(max(_ROOM_M, _ROOM_WIDTHS * width_m), reach / 2)
     low = (0.0, max(near_m - room, float(s[0]) - 1e-6), _MIN_WIDTH_M, floor - 1.0)
