@@ -104,24 +104,22 @@ def imu_of(path: Path, files: tuple[Path, ...], options: ImportOptions) -> tuple
 
 
 def choose_imu(folder: Path, files: tuple[Path, ...]) -> tuple[Path | None, tuple[Finding, ...]]:
-    """Return the file that is most likely the IMU log, and a finding where others may be one too.
+    """Return imu.csv, else the file that is most likely the IMU log, and a finding where others may be one too.
 
     Where no format fits, that is the largest wide table: reading it then asks for its columns.
     """
+    by_contract = next((f for f in files if f.parent == folder and f.name.casefold() == "imu.csv"), None)
+    if by_contract is not None:
+        return by_contract, ()
     ranked = []
     for file in files:
-        if not is_text(file) or is_audio(file):
-            continue
-        matches = matches_of(file)
-        if file.parent == folder and file.name.casefold() == "imu.csv":
-            ranked.append((2.0, file))
-        elif matches:
+        if is_text(file) and not is_audio(file) and (matches := matches_of(file)):
             ranked.append((matches[0].confidence, file))
     if not ranked:
         return _unknown_log(files), ()
     # the surest; among equals the one nearest to the top, then the largest
     best = max(ranked, key=lambda r: (r[0], r[1].parent == folder, r[1].stat().st_size))
-    others = [f.name for c, f in ranked if f != best[1] and c >= 0.5 * min(best[0], 1.0)]
+    others = [f.name for c, f in ranked if f != best[1] and c >= 0.5 * best[0]]
     if not others:
         return best[1], ()
     params: dict[str, str | float] = {"chosen": best[1].name, "others": ", ".join(others)[:300]}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.importing.column_mapping import ACC, GYR, MAG, QUAT, ColumnMapping, MappedColumn, Quantity
+from processing.importing.text_blocks import drop_absurd
 from processing.importing.text_layout import TextLayout
 from processing.importing.time_stamps import unit_of_steps
 from processing.importing.units import AUTO, unit_named
@@ -218,6 +219,7 @@ def _numbers(layout: TextLayout) -> FloatArray:
                 head[i, k] = float(cell.replace(",", ".") if layout.decimal_comma else cell)
             except ValueError:
                 continue
+    drop_absurd(head)
     return head
 
 

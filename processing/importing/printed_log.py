@@ -11,7 +11,7 @@ import numpy as np
 
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.importing.raw import GrowingArray, RawImu, ReadContext
-from processing.importing.text_blocks import BLOCK_BYTES, Faults, whole_lines
+from processing.importing.text_blocks import BLOCK_BYTES, Faults, drop_absurd, whole_lines
 from processing.importing.text_layout import TextLayout, encoding_of, head_lines, read_head
 from processing.importing.time_stamps import DAY_S, seconds_of_clock, unwrap
 from processing.importing.units import factor
@@ -58,6 +58,7 @@ def read(path: Path, context: ReadContext) -> RawImu:
         found = list(_LINE.finditer(lines))
         _count_faults(lines, found, line, faults)
         values = np.array([[_number(g) for g in m.groups()[1:]] for m in found], dtype=np.float64).reshape(-1, 9)
+        drop_absurd(values)
         for k, store in enumerate(stores):
             store.append(values[:, 3 * k : 3 * k + 3] * (factor("acc", "g"), factor("gyr", "dps"), 1.0)[k])
         times.append(stamps.of([m[1] for m in found]))
@@ -82,11 +83,14 @@ def _number(text: bytes | None) -> float:
 def _count_faults(lines: bytes, found: list[re.Match[bytes]], line: int, faults: Faults) -> None:
     """Lines that look like a row but cannot be read are told; other prints in between are no concern of ours."""
     torn = lines.lower().count(b"accelerometer(") - len(found)
-    if torn > 0:
-        starts = {lines.count(b"\n", 0, m.start(2)) for m in found}
-        candidates = (i for i, text in enumerate(lines.split(b"\n")) if b"ccelerometer(" in text and i not in starts)
-        faults.lines += torn - 1
-        faults.add_line(line + next(candidates, 0))
+    if torn <= 0:
+        return
+    feeds = np.nonzero(np.frombuffer(lines, np.uint8) == ord("\n"))[0]
+    good = set(np.searchsorted(feeds, [m.start(2) for m in found]).tolist())
+    marks = [m.start() for m in re.finditer(rb"accelerometer\(", lines, re.IGNORECASE)]
+    first = next((n for n in np.searchsorted(feeds, marks).tolist() if n not in good), 0)
+    faults.lines += torn - 1
+    faults.add_line(line + first)
 
 
 class _Stamps:

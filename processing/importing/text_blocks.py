@@ -19,6 +19,7 @@ from processing.survey import FloatArray
 BLOCK_BYTES = 8 << 20
 MAX_LINE_BYTES = 1 << 20
 TEXT_WIDTH = 40
+ABSURD = 1e30
 _SLOW_LINES = 48
 _BLANKS = re.compile(rb"[ \t]+")
 _EMPTY_WORDS = frozenset({b"", b"nan", b"null", b"none", b"na", b"n/a", b"-", b"--", b"inf", b"-inf", b"+inf"})
@@ -78,8 +79,15 @@ def read_blocks(
             lines = lines[_after_lines(lines, max(layout.data_line - line, 0)) :]
             parsed = parser.parse(parser.normal(lines), max(line, layout.data_line))
             if parsed is not None and len(parsed.values):
+                drop_absurd(parsed.values)
                 yield Block(parsed.values, parsed.texts, done)
         line += count
+
+
+def drop_absurd(values: FloatArray) -> None:
+    """Make NaN of numbers whose squares no longer fit: damage, never a measurement (ns since 1970 are 2e18)."""
+    with np.errstate(invalid="ignore"):
+        values[~(np.abs(values) < ABSURD)] = np.nan
 
 
 def whole_lines(path: Path, encoding: str, faults: Faults, block_bytes: int) -> Iterator[tuple[bytes, int]]:
