@@ -13,7 +13,7 @@ from app import opening
 from app.data_page import DataPage
 from app.jobs import Job, Jobs
 from app.preview_content import errors_of, imported_files, previewed_files
-from app.review_commands import EditSurvey
+from app.review_commands import EditSettings, EditSurvey
 from app.settings import PreferencesStore, mappings_file, surveys_folder
 from app.survey_session import SurveySession
 from processing import messages
@@ -24,6 +24,7 @@ from processing.storage.folder import SurveyFolder, is_survey_folder
 from processing.survey import Survey
 from widgets.message_boxes import Choice, MessageBoxes
 from widgets.raw_form import RawAnswer
+from widgets.vocabulary import frequency_text
 
 if TYPE_CHECKING:
     from processing.importing.folder import ImportOptions
@@ -38,6 +39,7 @@ class FilesControl(QObject):
 
     page_asked = Signal(str)
     told = Signal(str)
+    band_settled = Signal(float, float)  # Hz: what is looked for now
 
     def __init__(
         self,
@@ -291,6 +293,20 @@ class FilesControl(QObject):
 
     # --- edits ---
 
+    def change_band(self, low_hz: float, high_hz: float) -> None:
+        """Look for leaks in another band, if the operator means it: that takes a whole pass over the sound."""
+        session = self._session
+        text = self.tr("Look for leaks from {low} to {high}? The sound is gone through again.")
+        yes = Choice("process", self.tr("Process again"))
+        question = text.format(low=frequency_text(low_hz), high=frequency_text(high_hz))
+        if self._boxes().ask(question, (yes, Choice("keep", self.tr("Keep the band")))) == "process":
+            sound = replace(session.settings.sound, band_low_hz=low_hz, band_high_hz=high_hz)
+            settings = replace(session.settings, sound=sound)
+            session.push(EditSettings(session, self.tr("leak band"), settings))
+            if session.settings == settings:
+                self.reprocess()
+        self.band_settled.emit(session.settings.sound.band_low_hz, session.settings.sound.band_high_hz)
+
     def _edit_survey(self, survey: Survey, what: str) -> None:
         if self._preview is not None:
             self._page.set_survey(survey, writable=True)
@@ -338,7 +354,7 @@ class FilesControl(QObject):
             self._page.set_process(self.tr("Process"), enabled=ready, state=state)
             return
         results = session.results
-        fresh = results is not None and results.survey == session.survey
+        fresh = results is not None and (results.survey, results.settings) == (session.survey, session.settings)
         state = self.tr("The results are up to date.") if fresh else self.tr("Form or tie points have changed.")
         if results is None:
             state = self.tr("Not processed yet.")

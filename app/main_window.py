@@ -36,6 +36,7 @@ from app.review_control import ReviewControl
 from app.review_page import ReviewPage
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
+from processing import messages
 from processing.errors import LeaklineError
 from widgets.help_window import HelpWindow, KeyRow, key_sheet
 from widgets.job_strip import JobStrip
@@ -171,6 +172,10 @@ class MainWindow(QMainWindow):
         self.files.page_asked.connect(self.show_page)
         self.files.told.connect(self._tell)
         self.report.told.connect(self._tell)
+        self.player.failed.connect(self._tell_error)
+        self.review_page.band_changed.connect(self.files.change_band)
+        self.files.band_settled.connect(self.review_page.spectrogram.set_band)
+        self.review_page.spectrogram.read_failed.connect(self._tell_error)
         self.data_page.findings.moment_chosen.connect(self._show_moment)
         self.review_page.layout_changed.connect(self._restore_splitters)
         for splitter in self.review_page.splitters.values():
@@ -315,6 +320,13 @@ class MainWindow(QMainWindow):
             self.boxes.error(error)
             return
         raise error  # the crash guard logs and tells it
+
+    def _tell_error(self, error: Exception) -> None:
+        """Tell without a box what may come again with every move, such as a stick that was pulled out."""
+        if isinstance(error, LeaklineError):
+            self._tell(messages.error_sentence(error, self._language))
+        else:
+            self._tell(str(error))
 
     def _tell(self, text: str) -> None:
         self._told.setText(text)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.devices.audio_output import FloatBlock, Playback, ReadFrames, Sink, SoundUnavailableError, Stretch, open_sink
 from app.settings import PreferencesStore
@@ -73,6 +73,8 @@ class BandFilter:
 
 class Player(QObject):
     """The buttons' brain. ``make_sink`` opens the sound card; tests give it one that only counts."""
+
+    failed = Signal(object)  # Exception
 
     def __init__(
         self,
@@ -206,8 +208,10 @@ class Player(QObject):
         if not playback.active:
             error = playback.error
             self.stop()
-            if error is not None:
-                self.set_unavailable(str(error))
+            if isinstance(error, OSError):
+                self.set_unavailable(str(error))  # the card is gone
+            elif error is not None:
+                self.failed.emit(error)  # the recording cannot be read here
 
     def _on_cursor(self, _time_s: float) -> None:
         if self.playing and not self._following:

@@ -6,6 +6,7 @@ A command whose write was refused makes itself obsolete: it never enters the und
 from PySide6.QtGui import QUndoCommand
 
 from app.survey_session import SurveySession
+from processing.settings import Settings
 from processing.survey import Candidate, Decision, Survey
 
 NOTE_COMMAND = 1
@@ -129,4 +130,23 @@ class EditSurvey(QUndoCommand):
     def undo(self) -> None:
         """Qt: write the values before."""
         if not self._session.write_survey(self._before):
+            self.setObsolete(True)
+
+
+class EditSettings(QUndoCommand):
+    """Changes a tunable of the processing."""
+
+    def __init__(self, session: SurveySession, text: str, after: Settings) -> None:
+        super().__init__(text)
+        self._session = session
+        self._before, self._after = session.settings, after
+
+    def redo(self) -> None:
+        """Qt: write the new settings."""
+        if not self._session.write_settings(self._after):
+            self.setObsolete(True)
+
+    def undo(self) -> None:
+        """Qt: write the settings before."""
+        if not self._session.write_settings(self._before):
             self.setObsolete(True)

@@ -266,6 +266,14 @@ class SurveySession(QObject):
         self.survey_changed.emit()
         return True
 
+    def write_settings(self, settings: Settings) -> bool:
+        """Put settings on disk; they count when the survey is processed again."""
+        if not self._written(lambda: self._folder().write_settings(settings)):
+            return False
+        self.settings = settings
+        self.survey_changed.emit()
+        return True
+
     def _show_mark(self, candidate: Candidate, *, shown: bool) -> None:
         self._candidates.pop(candidate.id, None)
         self._manual = self._manual - {candidate.id}

@@ -279,3 +279,19 @@ def test_a_survey_is_exported_into_its_own_folder(window, session, idle, tmp_pat
     names = {path.name for path in written.iterdir()}
     assert {"leaks.csv", "track.csv", "leaks.geojson", "summary.json", "report.pdf"} <= names
     shutil.rmtree(written)
+
+
+@pytest.mark.parametrize(("answer", "band"), [("process", (300.0, 2000.0)), ("keep", (500.0, 4000.0))])
+def test_another_band_is_processed_only_if_the_operator_means_it(window, session, idle, tmp_path, answer, band):
+    device = make_device_folder(tmp_path)
+    write_survey_toml(device / "survey.toml", SURVEY)
+    window.files.open_path(device)
+    idle()
+    runs = session.run.id
+    window.boxes.answer = answer
+    window.review_page.spectrogram.band_changed.emit(300.0, 2000.0)
+    idle()
+    sound = session.folder.read_settings().sound
+    assert (sound.band_low_hz, sound.band_high_hz) == band
+    assert window.review_page.spectrogram.band_hz == band
+    assert session.run.id == runs + (answer == "process")

@@ -376,3 +376,14 @@ def test_the_window_fits_a_small_laptop(window):
         size = window.minimumSizeHint()
         assert size.width() <= 1366
         assert size.height() <= 680  # 768 less the title and the task bar
+
+
+def test_a_recording_that_cannot_be_read_ends_the_playback_with_a_word(window, session, qtbot):
+    for part in session.results.recording.audio.parts:
+        part.path.unlink()
+    session.cursor.set_time(5.0)
+    press(window, KEY.Key_Space)
+    qtbot.waitUntil(lambda: not window.player.playing)
+    assert window._told.isVisible()
+    assert "audio.wav" in window._told.text()
+    assert window.review_page.playback._play.isEnabled()
