@@ -121,7 +121,7 @@ def process(
     oriented, track = _path(survey, imu, settings, steps, imu_key) if imu is not None else (None, None)
     known_bad = (*recording.not_assessed, *(track.not_assessed if track is not None else ()))
     sound = _sound(survey, imu, audio, settings, steps, files) if audio is not None else None
-    heard = _candidates(survey, track, sound, known_bad, settings, steps) if sound is not None else Heard((), None)
+    heard = _candidates(survey, imu, track, sound, known_bad, settings, steps) if sound is not None else Heard((), None)
     findings = [*recording.findings]
     findings += oriented.findings if oriented is not None else ()
     findings += track.findings if track is not None else ()
@@ -272,6 +272,7 @@ def _clocked(
 
 def _candidates(
     survey: Survey,
+    imu: ImuSamples | None,
     track: Track | None,
     sound: _Sound,
     not_assessed: tuple[Stretch, ...],
@@ -283,6 +284,6 @@ def _candidates(
     return steps.cached(
         "candidates",
         made_of,
-        lambda: find_candidates(sound.scan, sound.clock, track, survey, settings.detector, progress, not_assessed),
+        lambda: find_candidates(sound.scan, sound.clock, track, survey, settings.detector, progress, not_assessed, imu),
         Heard,
     )
