@@ -160,8 +160,9 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("full", N("Actions", "Full screen"), "F11", Page.VIEW, "toggle_full_screen",
          N("Actions", "Use the whole screen, or go back")),
     # help
-    _row("help", N("Actions", "Help"), "F1", Page.HELP, "show_help", N("Actions", "How to go from folder to report")),
-    _row("keys", N("Actions", "Keys"), "F2", Page.HELP, "show_keys", N("Actions", "All keys on one sheet")),
+    _row("help", N("Actions", "Help"), "F1", Page.HELP, "help.show_guide",
+         N("Actions", "How to go from folder to report")),
+    _row("keys", N("Actions", "Keys"), "F2", Page.HELP, "help.show_keys", N("Actions", "All keys on one sheet")),
     _row("diagnostics", N("Actions", "Save diagnostics…"), "", Page.HELP, "save_diagnostics",
          N("Actions", "Write the log and version numbers into a zip file for support; no survey data")),
 )  # fmt: skip

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 
 from processing.survey import Finding, Stretch, Survey
 from widgets.findings_panel import FindingsPanel
-from widgets.import_preview import ImportPreview
+from widgets.import_preview import ImportPreview, PreviewedFile
 from widgets.survey_form import SurveyForm
 from widgets.tie_point_panel import TiePointPanel
 
@@ -64,6 +64,7 @@ class DataPage(QWidget):
         left.addWidget(self.preview)
         left.addWidget(self._titled(self.tr("Findings"), self.findings))
         left.setSizes([300, 260])
+        self._left = left
         columns = QSplitter(Qt.Orientation.Horizontal)
         columns.setChildrenCollapsible(False)
         columns.addWidget(left)
@@ -92,6 +93,12 @@ class DataPage(QWidget):
     def survey(self) -> Survey:
         """What form and tie points say now."""
         return self._survey
+
+    def set_files(self, files: Sequence[PreviewedFile]) -> None:
+        """Show the files; where something is asked about one of them, with room for it."""
+        self.preview.set_files(files)
+        asked = any(file.mapping is not None or file.needs_raw_form for file in files)
+        self._left.setSizes([440, 120] if asked else [300, 260])
 
     def set_path(self, text: str) -> None:
         """Show which folder this is about."""

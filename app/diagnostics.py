@@ -34,6 +34,8 @@ def start_log(folder: Path) -> Path | None:
         return None
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     root = logging.getLogger()
+    for other in root.handlers:
+        other.setLevel(max(other.level, root.level))  # the terminal goes on showing only what it showed
     root.addHandler(handler)
     root.setLevel(min(root.level or logging.INFO, logging.INFO))
     return file

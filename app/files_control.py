@@ -197,7 +197,7 @@ class FilesControl(QObject):
     def _show_files(self, preview: "FolderPreview") -> None:
         self._preview = preview
         self._page.set_path(str(preview.path))
-        self._page.preview.set_files(previewed_files(preview))
+        self._page.set_files(previewed_files(preview))
         findings = [*preview.findings, *(finding for file in preview.files for finding in file.findings)]
         language = self._boxes().language
         notes = [messages.error_sentence(error, language) for error in errors_of(preview)]
@@ -324,7 +324,7 @@ class FilesControl(QObject):
         results = session.results
         self._page.set_path(str(folder.path))
         self._page.set_survey(session.survey, writable=session.writable)
-        self._page.preview.set_files(imported_files(folder.files()))
+        self._page.set_files(imported_files(folder.files()))
         notes = [
             self.tr("Verdict without a candidate at {place} m: {verdict} {note}").format(
                 place=f"{orphan.candidate.chainage_m:.1f}",

@@ -1,17 +1,15 @@
 """The main window: a step bar of pages (data, path, sound, leaks, report), menus from the action table, job strip."""
 
-import base64
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from PySide6.QtCore import QByteArray, QObject, QStandardPaths, Qt, QTimer, Signal
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QApplication,
     QComboBox,
-    QFileDialog,
     QHBoxLayout,
     QLabel,
     QLineEdit,
@@ -23,11 +21,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app import actions, appearance, diagnostics
+from app import actions, appearance
 from app.actions import ACTIONS, PAGE_TITLES, Needs, Page
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.files_control import FilesControl
+from app.help_control import HelpControl
 from app.jobs import Job, Jobs
 from app.methods import methods
 from app.player import Player
@@ -36,9 +35,9 @@ from app.review_control import ReviewControl
 from app.review_page import ReviewPage
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
+from app.window_memory import WindowMemory
 from processing import messages
 from processing.errors import LeaklineError
-from widgets.help_window import HelpWindow, KeyRow, key_sheet
 from widgets.job_strip import JobStrip
 from widgets.message_boxes import MessageBoxes
 from widgets.report_panel import ReportPanel
@@ -46,9 +45,7 @@ from widgets.start_page import StartPage
 from widgets.step_bar import StepBar
 
 REVIEW_PAGES = ("path", "sound", "leaks")
-LARGEST, FRAME = (1920, 1080), 32  # of the first start: the whole of a laptop's screen, less the title bar
 TOLD_MS = 15_000
-SHEET_ORDER = (Page.REVIEW, Page.PLAY, Page.VIEW, Page.EDIT, Page.FILE, Page.HELP)
 TOOLS = ("open", "undo", "redo", "mark", "export")
 
 
@@ -74,7 +71,6 @@ class MainWindow(QMainWindow):
         self._services, self._language = services, language
         self._session, self._preferences = services.session, services.preferences
         self._theme = appearance.theme_named(services.preferences.values.theme)
-        self._help: HelpWindow | None = None
         self._typing = False
         self.setAcceptDrops(True)
         self.boxes = MessageBoxes(self, language)
@@ -85,11 +81,14 @@ class MainWindow(QMainWindow):
             self._session, services.jobs, self._preferences, self.data_page, lambda: self.boxes, self
         )
         self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
+        self.help = HelpControl(self, services.log_file)
         self.actions_by_id = actions.build(self, self)
         self._build_menus()
         self._lay_out()
         self._connect()
-        self._restore()
+        self._memory = WindowMemory(self, self.review_page, self._preferences)
+        self._memory.restore()
+        actions.arm_keys(self.actions_by_id, typing=False)
         self._on_opened()
 
     # --- building ---
@@ -177,9 +176,6 @@ class MainWindow(QMainWindow):
         self.files.band_settled.connect(self.review_page.spectrogram.set_band)
         self.review_page.spectrogram.read_failed.connect(self._tell_error)
         self.data_page.findings.moment_chosen.connect(self._show_moment)
-        self.review_page.layout_changed.connect(self._restore_splitters)
-        for splitter in self.review_page.splitters.values():
-            splitter.splitterMoved.connect(self._remember_splitters)
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         application.focusChanged.connect(self._on_focus)
@@ -333,53 +329,11 @@ class MainWindow(QMainWindow):
         self._told.show()
         self._told_timer.start(TOLD_MS)
 
-    def _key_rows(self) -> list[KeyRow]:
-        return [
-            KeyRow(
-                actions.translated(PAGE_TITLES[row.page]).replace("&", ""),
-                actions.shown_keys(row),
-                actions.translated(row.text),
-                actions.translated(row.tip),
-            )
-            for page in SHEET_ORDER
-            for row in ACTIONS
-            if row.page is page
-        ]
-
-    def show_help(self) -> None:
-        """Show the guide."""
-        window = HelpWindow(self.tr("Help"), "", self)
-        window.show_guide(key_sheet(self._key_rows()))
-        self._show_help_window(window)
-
-    def show_keys(self) -> None:
-        """Show all keys."""
-        self._show_help_window(HelpWindow(self.tr("Keys"), key_sheet(self._key_rows()), self))
-
-    def _show_help_window(self, window: HelpWindow) -> None:
-        if self._help is not None:
-            self._help.close()
-        window.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        window.destroyed.connect(self._forget_help)
-        self._help = window
-        window.show()
-
-    def _forget_help(self, gone: QObject) -> None:
-        if gone is self._help:
-            self._help = None
-
     def save_diagnostics(self) -> None:
-        """Ask where, and write the zip."""
-        folder = QStandardPaths.writableLocation(QStandardPaths.StandardLocation.DocumentsLocation)
-        name, _ = QFileDialog.getSaveFileName(
-            self, self.tr("Save diagnostics"), f"{folder}/leakline-diagnostics.zip", "ZIP (*.zip)"
-        )
-        if not name:
-            return
-        try:
-            diagnostics.write_zip(Path(name), self._services.log_file)
-        except OSError as error:
-            self.boxes.tell(self.tr("The file could not be written: {reason}").format(reason=error.strerror))
+        """Write the zip for support."""
+        trouble = self.help.save_diagnostics()
+        if trouble:
+            self.boxes.tell(trouble)
 
     # --- looks ---
 
@@ -404,26 +358,6 @@ class MainWindow(QMainWindow):
         """Use the whole screen, or go back."""
         self.setWindowState(self.windowState() ^ Qt.WindowState.WindowFullScreen)
 
-    def _restore(self) -> None:
-        geometry = self._preferences.values.geometry
-        if not geometry or not self.restoreGeometry(QByteArray(base64.b64decode(geometry))):
-            room = self.screen().availableGeometry()
-            self.resize(min(room.width(), LARGEST[0]), min(room.height() - FRAME, LARGEST[1]))
-        actions.arm_keys(self.actions_by_id, typing=False)
-
-    def _restore_splitters(self) -> None:
-        for name, splitter in self.review_page.splitters.items():
-            state = self._preferences.values.splitters.get(name)
-            if state:
-                splitter.restoreState(QByteArray(base64.b64decode(state)))
-
-    def _remember_splitters(self) -> None:
-        states = {
-            name: base64.b64encode(bytes(splitter.saveState().data())).decode()
-            for name, splitter in self.review_page.splitters.items()
-        }
-        self._preferences.values.splitters.update(states)  # written with the geometry, at closing
-
     # --- Qt's events ---
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
@@ -443,6 +377,5 @@ class MainWindow(QMainWindow):
         self.review_page.decision.flush()
         self.player.stop()
         self._told_timer.stop()
-        geometry = base64.b64encode(bytes(self.saveGeometry().data())).decode()
-        self._preferences.change(geometry=geometry, splitters=dict(self._preferences.values.splitters))
+        self._memory.save()
         super().closeEvent(event)

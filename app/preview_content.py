@@ -41,7 +41,8 @@ def previewed_files(preview: "FolderPreview") -> tuple[PreviewedFile, ...]:
 def errors_of(preview: "FolderPreview") -> tuple[LeaklineError, ...]:
     """Return what stops the folder or one of its chosen files."""
     found = [preview.error, *(file.error for file in preview.files if file.role in ("imu", "audio"))]
-    return tuple(error for error in found if error is not None)
+    unique = {str(error): error for error in found if error is not None}  # a log's error may be the folder's too
+    return tuple(unique.values())
 
 
 def _previewed(file: "FilePreview", preview: "FolderPreview") -> PreviewedFile:
