@@ -29,7 +29,6 @@ class Preferences:
     recent: list[str] = field(default_factory=list)  # newest first
     volume: float = 0.8
     play_band_only: bool = False
-    axis: str = "distance"
 
 
 class PreferencesStore:

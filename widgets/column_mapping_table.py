@@ -137,9 +137,10 @@ class ColumnMappingTable(QWidget):
             combo.addItem(UNIT_SIGNS.get(unit, unit), unit)
 
     def _on_meaning(self, row: int) -> None:
-        chosen = self._combo(row, MEANING).currentData()
+        data = self._combo(row, MEANING).currentData()
+        chosen = None if data is None else Quantity(data)  # Qt gives a plain string back
         for other in range(len(self._names)):  # a meaning belongs to one column
-            if other != row and chosen is not None and self._combo(other, MEANING).currentData() == chosen:
+            if other != row and chosen is not None and self._combo(other, MEANING).currentData() == chosen.value:
                 self._combo(other, MEANING).setCurrentIndex(0)
                 self._fill_units(self._combo(other, UNIT), None)
         self._fill_units(self._combo(row, UNIT), chosen)

@@ -140,7 +140,8 @@ class DecisionPanel(QWidget):
 
     def _on_class(self, index: int) -> None:
         if self._row is not None:
-            self.class_chosen.emit(self._class.itemData(index))
+            data = self._class.itemData(index)
+            self.class_chosen.emit(None if data is None else LeakClass(data))  # Qt gives a plain string back
 
     def _on_note(self, text: str) -> None:
         if self._row is not None:

@@ -19,6 +19,7 @@ from processing.importing.column_mapping import ColumnMapping, MappedColumn, Qua
 from processing.importing.survey_toml import write_survey_toml
 from processing.sound import scan
 from processing.survey import Motion, PipeInfo, Survey
+from widgets.raw_form import RawAnswer
 
 
 @pytest.fixture
@@ -295,3 +296,25 @@ def test_another_band_is_processed_only_if_the_operator_means_it(window, session
     assert (sound.band_low_hz, sound.band_high_hz) == band
     assert window.review_page.spectrogram.band_hz == band
     assert session.run.id == runs + (answer == "process")
+
+
+def test_headerless_sound_is_read_as_the_form_says_now_and_at_every_opening(window, session, idle, tmp_path):
+    device = make_device_folder(tmp_path)
+    (device / "audio.wav").unlink()
+    noise = np.random.default_rng(4).normal(0.0, 0.05, (400_000, 2))
+    (device / "sound.raw").write_bytes((noise * 2**31).astype("<i4").tobytes())
+    window.files.open_path(device)
+    idle()
+    assert not window.data_page._process.isEnabled()
+    assert window.data_page.preview._below.currentWidget() is window.data_page.preview._raw
+    window.data_page.preview.raw_form_answered.emit(RawAnswer(8000.0, 32, "signed", "little", 2))
+    idle()
+    window.files.process()
+    idle()
+    path = session.folder.path
+    for _ in range(2):
+        audio = session.results.recording.audio
+        assert (audio.sample_rate_hz, audio.channels, audio.frames) == (8000.0, 2, 400_000)
+        window.files.open_path(path)
+        idle()
+    assert window.boxes.told == []

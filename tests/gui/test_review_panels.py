@@ -119,6 +119,7 @@ def test_buttons_announce_verdicts_and_show_what_is_decided_not_what_was_clicked
         qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
         assert not button.isChecked()  # nobody has decided: the row is still undecided
     assert chosen == list(Verdict)
+    assert all(isinstance(verdict, Verdict) for verdict in chosen)
 
 
 def test_the_panel_shows_the_place_with_its_interval(panel):
@@ -146,6 +147,7 @@ def test_a_class_is_announced_and_the_first_entry_means_the_machines(panel):
     box.activated.emit(box.findData(LeakClass.PUMP))
     box.activated.emit(0)
     assert chosen == [LeakClass.PUMP, None]
+    assert isinstance(chosen[0], LeakClass)
 
 
 def test_a_note_is_announced_while_it_is_typed(panel, qtbot):
