@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from PySide6.QtCore import QCoreApplication
 from PySide6.QtWidgets import QMessageBox, QPushButton, QWidget
 
 from processing import messages
@@ -30,7 +31,7 @@ class MessageBoxes:
 
     def tell(self, text: str) -> None:
         """Tell something that needs a look before going on."""
-        self.ask(text, (Choice("ok", self._parent.tr("OK")),))
+        self.ask(text, (Choice("ok", QCoreApplication.translate("MessageBoxes", "OK")),))
 
     def ask(self, text: str, choices: Sequence[Choice]) -> str:
         """Ask; returns the key of the chosen button, the last one's for Escape and the closing cross."""

@@ -10,8 +10,6 @@ from processing.survey import Motion, Survey
 from widgets.optional_number import OptionalNumber
 from widgets.vocabulary import motion_text
 
-MATERIALS = ("ductile iron", "cast iron", "steel", "asbestos cement", "PVC", "PE100", "PE80", "concrete", "GRP")
-
 
 class SurveyForm(QWidget):
     """``methods`` gives the choices of each processing step: ``{"orientation": ("auto", "vqf", …), …}``."""
@@ -56,7 +54,7 @@ class SurveyForm(QWidget):
         self._radius = self._number("radius", 0.005, 2.0, factor=0.001)
         self._material = self._combo("material")
         self._material.setEditable(True)
-        self._material.addItems(["", *MATERIALS])
+        self._material.addItems(["", *self._materials()])
         line = self._material.lineEdit()
         if line is not None:
             line.editingFinished.connect(self._changed)
@@ -70,6 +68,10 @@ class SurveyForm(QWidget):
             (self.tr("Inner diameter (mm)"), self._diameter),
             (self.tr("Surveyed length (m)"), self._length),
         )
+
+    def _materials(self) -> tuple[str, ...]:
+        iron = self.tr("ductile iron"), self.tr("cast iron"), self.tr("steel")
+        return *iron, self.tr("asbestos cement"), "PVC", "PE100", "PE80", self.tr("concrete"), self.tr("GRP")
 
     def _launch_box(self) -> QGroupBox:
         unknown = self.tr("unknown")
