@@ -85,7 +85,7 @@ def _real_gaps(time: FloatArray, delay: FloatArray, period: float, settings: Imp
     candidates = np.nonzero(steps > max(settings.gap_factor * period, 1.5 * burst))[0]
     if not len(candidates):
         return candidates
-    window = max(round(_WINDOW_S / period), 4)
+    window = min(max(round(_WINDOW_S / period), 4), len(delay))
     least = minimum_filter1d(delay, window, mode="nearest")
     before = least[np.maximum(candidates - window // 2, 0)]
     after = least[np.minimum(candidates + 1 + window // 2, len(delay) - 1)]

@@ -111,10 +111,8 @@ def choose_imu(folder: Path, files: tuple[Path, ...]) -> tuple[Path | None, tupl
     by_contract = next((f for f in files if f.parent == folder and f.name.casefold() == "imu.csv"), None)
     if by_contract is not None:
         return by_contract, ()
-    ranked = []
-    for file in files:
-        if is_text(file) and not is_audio(file) and (matches := matches_of(file)):
-            ranked.append((matches[0].confidence, file))
+    texts = [f for f in files if is_text(f) and not is_audio(f)]
+    ranked = [(matches[0].confidence, f) for f in texts if (matches := matches_of(f))]
     if not ranked:
         return _unknown_log(files), ()
     # the surest; among equals the one nearest to the top, then the largest
