@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ("app", "widgets")
 TS = ROOT / "resources" / "translations" / "leakline_tr.ts"
 QM = TS.with_suffix(".qm")
-FIELD = re.compile(r"\{[^{}]*\}|%(?:L?\d+|n)")
+FIELD = re.compile(r"\{[^{}]*\}|%(?:L?[1-9](?!\d)|n\b)")
 
 Key = tuple[str, str]  # context, English text
 

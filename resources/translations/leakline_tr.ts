@@ -1,0 +1,1686 @@
+<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE TS>
+<TS version="2.1" language="tr_TR" sourcelanguage="en">
+<context>
+    <name>Actions</name>
+    <message>
+        <source>&amp;Edit</source>
+        <translation>Dü&amp;zen</translation>
+    </message>
+    <message>
+        <source>&amp;File</source>
+        <translation>&amp;Dosya</translation>
+    </message>
+    <message>
+        <source>&amp;Help</source>
+        <translation>&amp;Yardım</translation>
+    </message>
+    <message>
+        <source>&amp;Playback</source>
+        <translation>Din&amp;leme</translation>
+    </message>
+    <message>
+        <source>&amp;Review</source>
+        <translation>De&amp;ğerlendirme</translation>
+    </message>
+    <message>
+        <source>&amp;View</source>
+        <translation>&amp;Görünüm</translation>
+    </message>
+    <message>
+        <source>Add a candidate at the cursor that the machine missed</source>
+        <translation>Programın kaçırdığı bir adayı imlecin yerine ekler</translation>
+    </message>
+    <message>
+        <source>All keys on one sheet</source>
+        <translation>Bütün tuşlar tek sayfada</translation>
+    </message>
+    <message>
+        <source>Bring the cursor and all views to the selected candidate</source>
+        <translation>İmleci ve bütün görünümleri seçili adaya getirir</translation>
+    </message>
+    <message>
+        <source>Class</source>
+        <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>Clear verdict</source>
+        <translation>Kararı temizle</translation>
+    </message>
+    <message>
+        <source>Close Leakline; nothing is lost</source>
+        <translation>Leakline'ı kapatır; hiçbir şey kaybolmaz</translation>
+    </message>
+    <message>
+        <source>Close survey</source>
+        <translation>Ölçümü kapat</translation>
+    </message>
+    <message>
+        <source>Close this survey; everything is saved already</source>
+        <translation>Bu ölçümü kapatır; her şey zaten kaydedildi</translation>
+    </message>
+    <message>
+        <source>Compute path and leaks again with the present form and tie points; decisions are carried over</source>
+        <translation>Yolu ve kaçakları şimdiki form ve bağlama noktalarıyla yeniden hesaplar; kararlar korunur</translation>
+    </message>
+    <message>
+        <source>Confirm</source>
+        <translation>Onayla</translation>
+    </message>
+    <message>
+        <source>Cursor back</source>
+        <translation>İmleci geri al</translation>
+    </message>
+    <message>
+        <source>Cursor back 1 s</source>
+        <translation>İmleci 1 s geri al</translation>
+    </message>
+    <message>
+        <source>Cursor back 10 s</source>
+        <translation>İmleci 10 s geri al</translation>
+    </message>
+    <message>
+        <source>Cursor forward</source>
+        <translation>İmleci ilerlet</translation>
+    </message>
+    <message>
+        <source>Cursor forward 1 s</source>
+        <translation>İmleci 1 s ilerlet</translation>
+    </message>
+    <message>
+        <source>Cursor forward 10 s</source>
+        <translation>İmleci 10 s ilerlet</translation>
+    </message>
+    <message>
+        <source>Data page</source>
+        <translation>Veri sayfası</translation>
+    </message>
+    <message>
+        <source>Demonstration survey</source>
+        <translation>Tanıtım ölçümü</translation>
+    </message>
+    <message>
+        <source>Do the change again that was taken back</source>
+        <translation>Geri alınan değişikliği yeniden yapar</translation>
+    </message>
+    <message>
+        <source>Everything needed for the verdicts</source>
+        <translation>Karar için gereken her şey</translation>
+    </message>
+    <message>
+        <source>Export</source>
+        <translation>Dışa aktar</translation>
+    </message>
+    <message>
+        <source>Export report and files</source>
+        <translation>Raporu ve dosyaları dışa aktar</translation>
+    </message>
+    <message>
+        <source>Files, findings, form and tie points</source>
+        <translation>Dosyalar, bulgular, form ve bağlama noktaları</translation>
+    </message>
+    <message>
+        <source>Full screen</source>
+        <translation>Tam ekran</translation>
+    </message>
+    <message>
+        <source>Go one candidate down the list</source>
+        <translation>Listede bir aday aşağı gider</translation>
+    </message>
+    <message>
+        <source>Go one candidate up the list</source>
+        <translation>Listede bir aday yukarı gider</translation>
+    </message>
+    <message>
+        <source>Go to candidate</source>
+        <translation>Adaya git</translation>
+    </message>
+    <message>
+        <source>Go to the next candidate without a verdict</source>
+        <translation>Karar verilmemiş sonraki adaya gider</translation>
+    </message>
+    <message>
+        <source>Help</source>
+        <translation>Yardım</translation>
+    </message>
+    <message>
+        <source>How to go from folder to report</source>
+        <translation>Klasörden rapora nasıl gidilir</translation>
+    </message>
+    <message>
+        <source>It is a leak; go to the next undecided</source>
+        <translation>Bu bir kaçak; karar bekleyen sonraki adaya geçer</translation>
+    </message>
+    <message>
+        <source>It is no leak; go to the next undecided</source>
+        <translation>Kaçak değil; karar bekleyen sonraki adaya geçer</translation>
+    </message>
+    <message>
+        <source>Keys</source>
+        <translation>Tuşlar</translation>
+    </message>
+    <message>
+        <source>Leaks page</source>
+        <translation>Kaçaklar sayfası</translation>
+    </message>
+    <message>
+        <source>Leave it open for a second look; go to the next undecided</source>
+        <translation>İkinci bir bakış için açık bırakır; karar bekleyen sonraki adaya geçer</translation>
+    </message>
+    <message>
+        <source>Mark</source>
+        <translation>İşaretle</translation>
+    </message>
+    <message>
+        <source>Mark a leak here</source>
+        <translation>Buraya kaçak işareti koy</translation>
+    </message>
+    <message>
+        <source>Metres or seconds</source>
+        <translation>Metre ya da saniye</translation>
+    </message>
+    <message>
+        <source>Move the cursor one second back</source>
+        <translation>İmleci bir saniye geri alır</translation>
+    </message>
+    <message>
+        <source>Move the cursor one second forward</source>
+        <translation>İmleci bir saniye ilerletir</translation>
+    </message>
+    <message>
+        <source>Move the cursor one step back: a fiftieth of what is shown</source>
+        <translation>İmleci bir adım geri alır: görünenin ellide biri</translation>
+    </message>
+    <message>
+        <source>Move the cursor one step forward: a fiftieth of what is shown</source>
+        <translation>İmleci bir adım ilerletir: görünenin ellide biri</translation>
+    </message>
+    <message>
+        <source>Move the cursor ten seconds back</source>
+        <translation>İmleci on saniye geri alır</translation>
+    </message>
+    <message>
+        <source>Move the cursor ten seconds forward</source>
+        <translation>İmleci on saniye ilerletir</translation>
+    </message>
+    <message>
+        <source>Next candidate</source>
+        <translation>Sonraki aday</translation>
+    </message>
+    <message>
+        <source>Next theme: sun for outdoors, light, dark</source>
+        <translation>Sonraki tema: dışarısı için güneş, açık, koyu</translation>
+    </message>
+    <message>
+        <source>Next undecided</source>
+        <translation>Karar bekleyen sonraki</translation>
+    </message>
+    <message>
+        <source>Note</source>
+        <translation>Not</translation>
+    </message>
+    <message>
+        <source>Open</source>
+        <translation>Aç</translation>
+    </message>
+    <message>
+        <source>Open a device folder or a saved survey</source>
+        <translation>Cihaz klasörünü ya da kayıtlı bir ölçümü açar</translation>
+    </message>
+    <message>
+        <source>Open folder…</source>
+        <translation>Klasör aç…</translation>
+    </message>
+    <message>
+        <source>Open the simulated survey that comes with Leakline</source>
+        <translation>Leakline ile gelen benzetim ölçümünü açar</translation>
+    </message>
+    <message>
+        <source>Path page</source>
+        <translation>Yol sayfası</translation>
+    </message>
+    <message>
+        <source>Plan and profile large</source>
+        <translation>Büyük plan ve profil</translation>
+    </message>
+    <message>
+        <source>Play candidate in a loop</source>
+        <translation>Adayı tekrarlayarak çal</translation>
+    </message>
+    <message>
+        <source>Play or pause</source>
+        <translation>Çal ya da duraklat</translation>
+    </message>
+    <message>
+        <source>Play the selected candidate again and again, with two seconds of lead-in</source>
+        <translation>Seçili adayı iki saniye öncesinden başlayarak durmadan tekrarlar</translation>
+    </message>
+    <message>
+        <source>Play the sound from the cursor, or pause</source>
+        <translation>Sesi imleçten başlayarak çalar ya da duraklatır</translation>
+    </message>
+    <message>
+        <source>Previous candidate</source>
+        <translation>Önceki aday</translation>
+    </message>
+    <message>
+        <source>Process again</source>
+        <translation>Yeniden işle</translation>
+    </message>
+    <message>
+        <source>Quit</source>
+        <translation>Çık</translation>
+    </message>
+    <message>
+        <source>Redo</source>
+        <translation>Yinele</translation>
+    </message>
+    <message>
+        <source>Reject</source>
+        <translation>Reddet</translation>
+    </message>
+    <message>
+        <source>Report page</source>
+        <translation>Rapor sayfası</translation>
+    </message>
+    <message>
+        <source>Save diagnostics…</source>
+        <translation>Tanılama dosyası kaydet…</translation>
+    </message>
+    <message>
+        <source>Say what it is: leak, valve, bend, pump …</source>
+        <translation>Ne olduğunu belirtin: kaçak, vana, dirsek, pompa …</translation>
+    </message>
+    <message>
+        <source>Show all</source>
+        <translation>Tümünü göster</translation>
+    </message>
+    <message>
+        <source>Show half of it, around the cursor (also Ctrl and wheel)</source>
+        <translation>İmlecin çevresinde yarısını gösterir (Ctrl ve tekerlek de olur)</translation>
+    </message>
+    <message>
+        <source>Show sound and motion along the pipe in metres, or in time</source>
+        <translation>Sesi ve hareketi boru boyunca metreyle ya da zamanla gösterir</translation>
+    </message>
+    <message>
+        <source>Show the whole run</source>
+        <translation>Bütün koşuyu gösterir</translation>
+    </message>
+    <message>
+        <source>Show twice as much, around the cursor (also Ctrl and wheel)</source>
+        <translation>İmlecin çevresinde iki katını gösterir (Ctrl ve tekerlek de olur)</translation>
+    </message>
+    <message>
+        <source>Sound page</source>
+        <translation>Ses sayfası</translation>
+    </message>
+    <message>
+        <source>Spectrogram, level and motion large</source>
+        <translation>Büyük spektrogram, düzey ve hareket</translation>
+    </message>
+    <message>
+        <source>Sun, light or dark</source>
+        <translation>Güneş, açık ya da koyu</translation>
+    </message>
+    <message>
+        <source>Switch the language</source>
+        <translation>Dili değiştirir</translation>
+    </message>
+    <message>
+        <source>Take the last change back</source>
+        <translation>Son değişikliği geri alır</translation>
+    </message>
+    <message>
+        <source>Take the verdict away and stay here</source>
+        <translation>Kararı kaldırır ve burada kalır</translation>
+    </message>
+    <message>
+        <source>Türkçe / English</source>
+        <translation>Türkçe / English</translation>
+    </message>
+    <message>
+        <source>Undo</source>
+        <translation>Geri al</translation>
+    </message>
+    <message>
+        <source>Unsure</source>
+        <translation>Kararsız</translation>
+    </message>
+    <message>
+        <source>Use the whole screen, or go back</source>
+        <translation>Bütün ekranı kaplar ya da geri döner</translation>
+    </message>
+    <message>
+        <source>What will be written, and where</source>
+        <translation>Ne yazılacak ve nereye</translation>
+    </message>
+    <message>
+        <source>Write a note; it is saved as you type. Enter ends it</source>
+        <translation>Not yazın; yazdıkça kaydedilir. Enter bitirir</translation>
+    </message>
+    <message>
+        <source>Write the PDF, the CSV tables and the GIS file</source>
+        <translation>PDF raporu, CSV tablolarını ve harita dosyasını yazar</translation>
+    </message>
+    <message>
+        <source>Write the log and version numbers into a zip file for support; no survey data</source>
+        <translation>Destek için günlüğü ve sürüm numaralarını bir zip dosyasına yazar; ölçüm verisi içermez</translation>
+    </message>
+    <message>
+        <source>Zoom in</source>
+        <translation>Yakınlaştır</translation>
+    </message>
+    <message>
+        <source>Zoom out</source>
+        <translation>Uzaklaştır</translation>
+    </message>
+</context>
+<context>
+    <name>Application</name>
+    <message>
+        <source>Go on</source>
+        <translation>Devam et</translation>
+    </message>
+    <message>
+        <source>Leakline has stumbled over a fault of its own. Every verdict and note is on disk. ({what})</source>
+        <translation>Leakline kendi hatasına takıldı. Bütün kararlar ve notlar diskte. ({what})</translation>
+    </message>
+    <message>
+        <source>Save diagnostics…</source>
+        <translation>Tanılama dosyası kaydet…</translation>
+    </message>
+</context>
+<context>
+    <name>CandidateModel</name>
+    <message>
+        <source>At (m)</source>
+        <translation>Yer (m)</translation>
+    </message>
+    <message>
+        <source>Chainage from the launch</source>
+        <translation>Bırakma noktasından hat metresi</translation>
+    </message>
+    <message>
+        <source>Class</source>
+        <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>L: found by the machine, M: marked by hand</source>
+        <translation>L: programın bulduğu, M: elle işaretlenen</translation>
+    </message>
+    <message>
+        <source>Level above its surroundings</source>
+        <translation>Çevresine göre düzey farkı</translation>
+    </message>
+    <message>
+        <source>No.</source>
+        <translation>No.</translation>
+    </message>
+    <message>
+        <source>Note</source>
+        <translation>Not</translation>
+    </message>
+    <message>
+        <source>Probability that it is a leak</source>
+        <translation>Kaçak olma olasılığı</translation>
+    </message>
+    <message>
+        <source>Score</source>
+        <translation>Olasılık</translation>
+    </message>
+    <message>
+        <source>The true place is within this with 95 % probability</source>
+        <translation>Gerçek yer %95 olasılıkla bu aralıktadır</translation>
+    </message>
+    <message>
+        <source>Verdict</source>
+        <translation>Karar</translation>
+    </message>
+    <message>
+        <source>What it is taken for</source>
+        <translation>Neye benzediği</translation>
+    </message>
+    <message>
+        <source>What you decided</source>
+        <translation>Sizin kararınız</translation>
+    </message>
+    <message>
+        <source>Your note</source>
+        <translation>Sizin notunuz</translation>
+    </message>
+    <message>
+        <source>dB</source>
+        <translation>dB</translation>
+    </message>
+    <message>
+        <source>± m</source>
+        <translation>± m</translation>
+    </message>
+</context>
+<context>
+    <name>CandidateTable</name>
+    <message>
+        <source>Best score first</source>
+        <translation>Olasılığa göre</translation>
+    </message>
+    <message>
+        <source>From the launch on</source>
+        <translation>Bırakma noktasından</translation>
+    </message>
+    <message>
+        <source>Leak candidates</source>
+        <translation>Kaçak adayları</translation>
+    </message>
+    <message>
+        <source>No leak candidates were found. M marks one by hand at the cursor.</source>
+        <translation>Kaçak adayı bulunmadı. M tuşu imlecin yerine elle işaret koyar.</translation>
+    </message>
+    <message>
+        <source>{decided} of {all} decided</source>
+        <translation>Karar: {decided} / {all}</translation>
+    </message>
+</context>
+<context>
+    <name>ColumnMappingTable</name>
+    <message>
+        <source>Column</source>
+        <translation>Sütun</translation>
+    </message>
+    <message>
+        <source>First rows</source>
+        <translation>İlk satırlar</translation>
+    </message>
+    <message>
+        <source>Meaning</source>
+        <translation>Anlamı</translation>
+    </message>
+    <message>
+        <source>Meaning of the columns</source>
+        <translation>Sütunların anlamı</translation>
+    </message>
+    <message>
+        <source>Samples a second, if there is no time column</source>
+        <translation>Zaman sütunu yoksa saniyedeki örnek sayısı</translation>
+    </message>
+    <message>
+        <source>Still missing: {names}</source>
+        <translation>Hâlâ eksik: {names}</translation>
+    </message>
+    <message>
+        <source>Unit</source>
+        <translation>Birim</translation>
+    </message>
+    <message>
+        <source>find out</source>
+        <translation>kendin bul</translation>
+    </message>
+    <message>
+        <source>not used</source>
+        <translation>kullanılmıyor</translation>
+    </message>
+</context>
+<context>
+    <name>Columns</name>
+    <message>
+        <source>accelerometer x</source>
+        <translation>ivmeölçer x</translation>
+    </message>
+    <message>
+        <source>accelerometer y</source>
+        <translation>ivmeölçer y</translation>
+    </message>
+    <message>
+        <source>accelerometer z</source>
+        <translation>ivmeölçer z</translation>
+    </message>
+    <message>
+        <source>gyroscope x</source>
+        <translation>jiroskop x</translation>
+    </message>
+    <message>
+        <source>gyroscope y</source>
+        <translation>jiroskop y</translation>
+    </message>
+    <message>
+        <source>gyroscope z</source>
+        <translation>jiroskop z</translation>
+    </message>
+    <message>
+        <source>magnetometer x</source>
+        <translation>manyetometre x</translation>
+    </message>
+    <message>
+        <source>magnetometer y</source>
+        <translation>manyetometre y</translation>
+    </message>
+    <message>
+        <source>magnetometer z</source>
+        <translation>manyetometre z</translation>
+    </message>
+    <message>
+        <source>pressure</source>
+        <translation>basınç</translation>
+    </message>
+    <message>
+        <source>quaternion w</source>
+        <translation>dördey w</translation>
+    </message>
+    <message>
+        <source>quaternion x</source>
+        <translation>dördey x</translation>
+    </message>
+    <message>
+        <source>quaternion y</source>
+        <translation>dördey y</translation>
+    </message>
+    <message>
+        <source>quaternion z</source>
+        <translation>dördey z</translation>
+    </message>
+    <message>
+        <source>sample number</source>
+        <translation>örnek numarası</translation>
+    </message>
+    <message>
+        <source>temperature</source>
+        <translation>sıcaklık</translation>
+    </message>
+    <message>
+        <source>time</source>
+        <translation>zaman</translation>
+    </message>
+</context>
+<context>
+    <name>DataPage</name>
+    <message>
+        <source>Findings</source>
+        <translation>Bulgular</translation>
+    </message>
+    <message>
+        <source>Form</source>
+        <translation>Form</translation>
+    </message>
+    <message>
+        <source>Process</source>
+        <translation>İşle</translation>
+    </message>
+    <message>
+        <source>Tie points</source>
+        <translation>Bağlama noktaları</translation>
+    </message>
+    <message>
+        <source>Tie points ({count})</source>
+        <translation>Bağlama noktaları ({count})</translation>
+    </message>
+</context>
+<context>
+    <name>DecisionPanel</name>
+    <message>
+        <source>0  Clear</source>
+        <translation>0  Temizle</translation>
+    </message>
+    <message>
+        <source>1  Confirm</source>
+        <translation>1  Onayla</translation>
+    </message>
+    <message>
+        <source>2  Reject</source>
+        <translation>2  Reddet</translation>
+    </message>
+    <message>
+        <source>3  Unsure</source>
+        <translation>3  Kararsız</translation>
+    </message>
+    <message>
+        <source>Class</source>
+        <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>Class: {machine} (by the machine)</source>
+        <translation>Sınıf: {machine} (programa göre)</translation>
+    </message>
+    <message>
+        <source>No candidate selected</source>
+        <translation>Aday seçilmedi</translation>
+    </message>
+    <message>
+        <source>Note</source>
+        <translation>Not</translation>
+    </message>
+    <message>
+        <source>Note (Enter)</source>
+        <translation>Not (Enter)</translation>
+    </message>
+</context>
+<context>
+    <name>Evidence</name>
+    <message>
+        <source>95 % between {low} m and {high} m, passed at {time}.</source>
+        <translation>%95 olasılıkla {low} m ile {high} m arasında; geçiş zamanı {time}.</translation>
+    </message>
+    <message>
+        <source>Leak with {percent} % probability; looks like: {kind}.</source>
+        <translation>Kaçak olasılığı %{percent}; benzediği: {kind}.</translation>
+    </message>
+    <message>
+        <source>Marked by hand.</source>
+        <translation>Elle işaretlendi.</translation>
+    </message>
+    <message>
+        <source>{level} dB above its surroundings from {low} to {high}, {width} m wide.</source>
+        <translation>{low} – {high} arasında çevresinden {level} dB yüksek, {width} m boyunca.</translation>
+    </message>
+</context>
+<context>
+    <name>FilesControl</name>
+    <message>
+        <source>Cancel</source>
+        <translation>İptal</translation>
+    </message>
+    <message>
+        <source>Copying the recording</source>
+        <translation>Kayıt kopyalanıyor</translation>
+    </message>
+    <message>
+        <source>Demonstration</source>
+        <translation>Tanıtım</translation>
+    </message>
+    <message>
+        <source>Form or tie points have changed.</source>
+        <translation>Form ya da bağlama noktaları değişti.</translation>
+    </message>
+    <message>
+        <source>Keep as marks</source>
+        <translation>İşaret olarak tut</translation>
+    </message>
+    <message>
+        <source>Keep the band</source>
+        <translation>Bandı değiştirme</translation>
+    </message>
+    <message>
+        <source>Leave them listed</source>
+        <translation>Listede bırak</translation>
+    </message>
+    <message>
+        <source>Look for leaks from {low} to {high}? The sound is gone through again.</source>
+        <translation>Kaçaklar {low} – {high} arasında mı aransın? Ses yeniden taranır.</translation>
+    </message>
+    <message>
+        <source>Looking at {name}</source>
+        <translation>{name} inceleniyor</translation>
+    </message>
+    <message>
+        <source>Nobody uses it: open anyway</source>
+        <translation>Kimse kullanmıyor: yine de aç</translation>
+    </message>
+    <message>
+        <source>Not processed yet.</source>
+        <translation>Henüz işlenmedi.</translation>
+    </message>
+    <message>
+        <source>Open read-only</source>
+        <translation>Salt okunur aç</translation>
+    </message>
+    <message>
+        <source>Open the device's folder or a survey</source>
+        <translation>Cihazın klasörünü ya da bir ölçümü açın</translation>
+    </message>
+    <message>
+        <source>Process</source>
+        <translation>İşle</translation>
+    </message>
+    <message>
+        <source>Process again</source>
+        <translation>Yeniden işle</translation>
+    </message>
+    <message>
+        <source>Processing</source>
+        <translation>İşleniyor</translation>
+    </message>
+    <message>
+        <source>Processing …</source>
+        <translation>İşleniyor …</translation>
+    </message>
+    <message>
+        <source>Restore the newest backup</source>
+        <translation>En yeni yedeği geri yükle</translation>
+    </message>
+    <message>
+        <source>Something is missing: see the findings and the list of files.</source>
+        <translation>Eksik bir şey var: bulgulara ve dosya listesine bakın.</translation>
+    </message>
+    <message>
+        <source>Survey made: {path}</source>
+        <translation>Ölçüm oluşturuldu: {path}</translation>
+    </message>
+    <message>
+        <source>The results are up to date.</source>
+        <translation>Sonuçlar güncel.</translation>
+    </message>
+    <message>
+        <source>These earlier verdicts found no candidate any more. Nothing is lost; keep them as marks?</source>
+        <translation>Daha önceki şu kararlara karşılık gelen aday artık yok. Hiçbir şey kaybolmadı; işaret olarak kalsınlar mı?</translation>
+    </message>
+    <message>
+        <source>This folder was processed before: its survey is opened.</source>
+        <translation>Bu klasör daha önce işlenmiş: ölçümü açılıyor.</translation>
+    </message>
+    <message>
+        <source>Verdict without a candidate at {place} m: {verdict} {note}</source>
+        <translation>{place} m'de adayı kalmamış karar: {verdict} {note}</translation>
+    </message>
+    <message>
+        <source>form</source>
+        <translation>form</translation>
+    </message>
+    <message>
+        <source>leak band</source>
+        <translation>kaçak bandı</translation>
+    </message>
+    <message>
+        <source>tie points</source>
+        <translation>bağlama noktaları</translation>
+    </message>
+</context>
+<context>
+    <name>FindingsPanel</name>
+    <message>
+        <source>Findings</source>
+        <translation>Bulgular</translation>
+    </message>
+    <message>
+        <source>Nothing to complain about.</source>
+        <translation>Sorun yok.</translation>
+    </message>
+    <message>
+        <source>Path</source>
+        <translation>Yol</translation>
+    </message>
+    <message>
+        <source>Sound</source>
+        <translation>Ses</translation>
+    </message>
+    <message>
+        <source>{what} not assessed from {start} to {end}: {reason}</source>
+        <translation>{what} {start} – {end} arasında değerlendirilmedi: {reason}</translation>
+    </message>
+</context>
+<context>
+    <name>HelpControl</name>
+    <message>
+        <source>Help</source>
+        <translation>Yardım</translation>
+    </message>
+    <message>
+        <source>Keys</source>
+        <translation>Tuşlar</translation>
+    </message>
+    <message>
+        <source>Save diagnostics</source>
+        <translation>Tanılama dosyasını kaydet</translation>
+    </message>
+    <message>
+        <source>The file could not be written: {reason}</source>
+        <translation>Dosya yazılamadı: {reason}</translation>
+    </message>
+</context>
+<context>
+    <name>HelpWindow</name>
+    <message>
+        <source>Close</source>
+        <translation>Kapat</translation>
+    </message>
+    <message>
+        <source>Copy the folder off the device and drop it on this window, or open it with Ctrl+O.</source>
+        <translation>Klasörü cihazdan kopyalayıp bu pencereye bırakın ya da Ctrl+O ile açın.</translation>
+    </message>
+    <message>
+        <source>Everything is saved at once. You may close the laptop at any moment.</source>
+        <translation>Her şey anında kaydedilir. Bilgisayarı istediğiniz an kapatabilirsiniz.</translation>
+    </message>
+    <message>
+        <source>Export with Ctrl+E: the report, the tables and the map file are written into the survey folder.</source>
+        <translation>Ctrl+E ile dışa aktarın: rapor, tablolar ve harita dosyası ölçüm klasörüne yazılır.</translation>
+    </message>
+    <message>
+        <source>From folder to report</source>
+        <translation>Klasörden rapora</translation>
+    </message>
+    <message>
+        <source>Go through the candidates: Space plays, 1 confirms, 2 rejects, 3 leaves it open.</source>
+        <translation>Adayları tek tek gözden geçirin: Boşluk çalar, 1 onaylar, 2 reddeder, 3 açık bırakır.</translation>
+    </message>
+    <message>
+        <source>Look at the findings, fill in the form and the tie points, and press Process.</source>
+        <translation>Bulgulara bakın, formu ve bağlama noktalarını doldurun, İşle düğmesine basın.</translation>
+    </message>
+    <message>
+        <source>Press Enter for a note. Ctrl+Z takes back whatever you did.</source>
+        <translation>Not için Enter'a basın. Ctrl+Z yaptığınız her şeyi geri alır.</translation>
+    </message>
+</context>
+<context>
+    <name>ImportPreview</name>
+    <message>
+        <source>File</source>
+        <translation>Dosya</translation>
+    </message>
+    <message>
+        <source>Files</source>
+        <translation>Dosyalar</translation>
+    </message>
+    <message>
+        <source>First rows</source>
+        <translation>İlk satırlar</translation>
+    </message>
+    <message>
+        <source>Size</source>
+        <translation>Boyut</translation>
+    </message>
+    <message>
+        <source>Taken for</source>
+        <translation>Türü</translation>
+    </message>
+</context>
+<context>
+    <name>ImuView</name>
+    <message>
+        <source>Motion sensor</source>
+        <translation>Hareket sensörü</translation>
+    </message>
+    <message>
+        <source>No motion data</source>
+        <translation>Hareket verisi yok</translation>
+    </message>
+    <message>
+        <source>Reading …</source>
+        <translation>Okunuyor …</translation>
+    </message>
+    <message>
+        <source>force</source>
+        <translation>ivme</translation>
+    </message>
+    <message>
+        <source>m/s</source>
+        <translation>m/s</translation>
+    </message>
+    <message>
+        <source>m/s²</source>
+        <translation>m/s²</translation>
+    </message>
+    <message>
+        <source>speed</source>
+        <translation>hız</translation>
+    </message>
+    <message>
+        <source>turn rate</source>
+        <translation>dönme hızı</translation>
+    </message>
+    <message>
+        <source>°/s</source>
+        <translation>°/s</translation>
+    </message>
+</context>
+<context>
+    <name>JobLine</name>
+    <message>
+        <source>Cancel</source>
+        <translation>İptal</translation>
+    </message>
+    <message>
+        <source>Stopping …</source>
+        <translation>Durduruluyor …</translation>
+    </message>
+</context>
+<context>
+    <name>LevelView</name>
+    <message>
+        <source>Level along the pipe</source>
+        <translation>Boru boyunca düzey</translation>
+    </message>
+    <message>
+        <source>No level yet</source>
+        <translation>Henüz düzey yok</translation>
+    </message>
+    <message>
+        <source>background</source>
+        <translation>arka plan</translation>
+    </message>
+    <message>
+        <source>dB</source>
+        <translation>dB</translation>
+    </message>
+    <message>
+        <source>level</source>
+        <translation>düzey</translation>
+    </message>
+    <message>
+        <source>threshold</source>
+        <translation>eşik</translation>
+    </message>
+</context>
+<context>
+    <name>MainWindow</name>
+    <message>
+        <source>Data</source>
+        <translation>Veri</translation>
+    </message>
+    <message>
+        <source>Demonstration (simulated): nothing here is a real pipe</source>
+        <translation>Tanıtım (benzetim): buradaki hiçbir şey gerçek bir boru değil</translation>
+    </message>
+    <message>
+        <source>Earlier verdicts without a candidate: {count}, see the data page</source>
+        <translation>Adayı kalmamış eski karar: {count}, veri sayfasına bakın</translation>
+    </message>
+    <message>
+        <source>Leaks</source>
+        <translation>Kaçaklar</translation>
+    </message>
+    <message>
+        <source>Looking for a sound card</source>
+        <translation>Ses kartı aranıyor</translation>
+    </message>
+    <message>
+        <source>Not assessed (hatched): {count}</source>
+        <translation>Değerlendirilmeyen (taralı): {count}</translation>
+    </message>
+    <message>
+        <source>Path</source>
+        <translation>Yol</translation>
+    </message>
+    <message>
+        <source>Please wait until the work in progress has ended.</source>
+        <translation>Lütfen süren işin bitmesini bekleyin.</translation>
+    </message>
+    <message>
+        <source>Read-only: nothing can be changed</source>
+        <translation>Salt okunur: hiçbir şey değiştirilemez</translation>
+    </message>
+    <message>
+        <source>Report</source>
+        <translation>Rapor</translation>
+    </message>
+    <message>
+        <source>Sound</source>
+        <translation>Ses</translation>
+    </message>
+</context>
+<context>
+    <name>MessageBoxes</name>
+    <message>
+        <source>OK</source>
+        <translation>Tamam</translation>
+    </message>
+</context>
+<context>
+    <name>OptionalNumber</name>
+    <message>
+        <source>Allowed: {low} … {high}</source>
+        <translation>İzin verilen: {low} … {high}</translation>
+    </message>
+</context>
+<context>
+    <name>OverviewStrip</name>
+    <message>
+        <source>Overview of the whole run</source>
+        <translation>Bütün koşuya genel bakış</translation>
+    </message>
+</context>
+<context>
+    <name>PathView</name>
+    <message>
+        <source>N</source>
+        <translation>K</translation>
+    </message>
+    <message>
+        <source>No path yet</source>
+        <translation>Henüz yol yok</translation>
+    </message>
+    <message>
+        <source>Path from above</source>
+        <translation>Yolun planı</translation>
+    </message>
+    <message>
+        <source>launch</source>
+        <translation>bırakma</translation>
+    </message>
+    <message>
+        <source>m</source>
+        <translation>m</translation>
+    </message>
+    <message>
+        <source>retrieval</source>
+        <translation>çıkarma</translation>
+    </message>
+</context>
+<context>
+    <name>PlaybackBar</name>
+    <message>
+        <source>Hear only the band in which leaks are looked for</source>
+        <translation>Yalnızca kaçakların arandığı bandı dinletir</translation>
+    </message>
+    <message>
+        <source>Leak band only</source>
+        <translation>Yalnızca kaçak bandı</translation>
+    </message>
+    <message>
+        <source>Loop candidate</source>
+        <translation>Adayı tekrarla</translation>
+    </message>
+    <message>
+        <source>Pause</source>
+        <translation>Duraklat</translation>
+    </message>
+    <message>
+        <source>Play</source>
+        <translation>Çal</translation>
+    </message>
+    <message>
+        <source>Play or pause (Space)</source>
+        <translation>Çal ya da duraklat (Boşluk)</translation>
+    </message>
+    <message>
+        <source>Play the candidate again and again (Shift+Space)</source>
+        <translation>Adayı durmadan tekrarla (Shift+Boşluk)</translation>
+    </message>
+    <message>
+        <source>Volume</source>
+        <translation>Ses düzeyi</translation>
+    </message>
+</context>
+<context>
+    <name>Player</name>
+    <message>
+        <source>No sound card</source>
+        <translation>Ses kartı yok</translation>
+    </message>
+    <message>
+        <source>This survey has no sound.</source>
+        <translation>Bu ölçümde ses yok.</translation>
+    </message>
+</context>
+<context>
+    <name>PlotFrame</name>
+    <message>
+        <source>m</source>
+        <translation>m</translation>
+    </message>
+    <message>
+        <source>time</source>
+        <translation>zaman</translation>
+    </message>
+</context>
+<context>
+    <name>Preview</name>
+    <message>
+        <source>form</source>
+        <translation>form</translation>
+    </message>
+    <message>
+        <source>motion</source>
+        <translation>hareket</translation>
+    </message>
+    <message>
+        <source>not used</source>
+        <translation>kullanılmıyor</translation>
+    </message>
+    <message>
+        <source>sound</source>
+        <translation>ses</translation>
+    </message>
+</context>
+<context>
+    <name>ProfileView</name>
+    <message>
+        <source>Elevation profile</source>
+        <translation>Yükseklik profili</translation>
+    </message>
+    <message>
+        <source>No path yet</source>
+        <translation>Henüz yol yok</translation>
+    </message>
+    <message>
+        <source>elevation (m)</source>
+        <translation>yükseklik (m)</translation>
+    </message>
+    <message>
+        <source>m</source>
+        <translation>m</translation>
+    </message>
+</context>
+<context>
+    <name>RawForm</name>
+    <message>
+        <source>16 bit</source>
+        <translation>16 bit</translation>
+    </message>
+    <message>
+        <source>24 bit</source>
+        <translation>24 bit</translation>
+    </message>
+    <message>
+        <source>32 bit</source>
+        <translation>32 bit</translation>
+    </message>
+    <message>
+        <source>32 bit floating point</source>
+        <translation>32 bit kayan noktalı</translation>
+    </message>
+    <message>
+        <source>A sample is</source>
+        <translation>Bir örnek</translation>
+    </message>
+    <message>
+        <source>Byte order</source>
+        <translation>Bayt sırası</translation>
+    </message>
+    <message>
+        <source>Channels</source>
+        <translation>Kanal sayısı</translation>
+    </message>
+    <message>
+        <source>Read it so</source>
+        <translation>Böyle oku</translation>
+    </message>
+    <message>
+        <source>Samples a second</source>
+        <translation>Saniyedeki örnek sayısı</translation>
+    </message>
+    <message>
+        <source>This sound has no header. The device's manual says how it was recorded.</source>
+        <translation>Bu sesin başlığı yok. Nasıl kaydedildiği cihazın kılavuzunda yazar.</translation>
+    </message>
+    <message>
+        <source>high byte first</source>
+        <translation>önce yüksek bayt</translation>
+    </message>
+    <message>
+        <source>low byte first (usual)</source>
+        <translation>önce düşük bayt (olağan)</translation>
+    </message>
+</context>
+<context>
+    <name>ReportControl</name>
+    <message>
+        <source>Export</source>
+        <translation>Dışa aktar</translation>
+    </message>
+    <message>
+        <source>Export into</source>
+        <translation>Dışa aktarılacak klasör</translation>
+    </message>
+    <message>
+        <source>Written to {folder}</source>
+        <translation>Yazıldı: {folder}</translation>
+    </message>
+    <message>
+        <source>a folder that you choose</source>
+        <translation>seçeceğiniz bir klasör</translation>
+    </message>
+</context>
+<context>
+    <name>ReportPanel</name>
+    <message>
+        <source>At (m)</source>
+        <translation>Yer (m)</translation>
+    </message>
+    <message>
+        <source>Class</source>
+        <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>Export report and files</source>
+        <translation>Raporu ve dosyaları dışa aktar</translation>
+    </message>
+    <message>
+        <source>Exports so far</source>
+        <translation>Şimdiye kadarki raporlar</translation>
+    </message>
+    <message>
+        <source>Language of the report</source>
+        <translation>Raporun dili</translation>
+    </message>
+    <message>
+        <source>Length of the path</source>
+        <translation>Yolun uzunluğu</translation>
+    </message>
+    <message>
+        <source>No.</source>
+        <translation>No.</translation>
+    </message>
+    <message>
+        <source>Note</source>
+        <translation>Not</translation>
+    </message>
+    <message>
+        <source>Open folder</source>
+        <translation>Klasörü aç</translation>
+    </message>
+    <message>
+        <source>Stretches not assessed, listed in the report: {count}</source>
+        <translation>Raporda listelenen, değerlendirilmeyen bölüm: {count}</translation>
+    </message>
+    <message>
+        <source>There is nothing to report yet. Open and process a survey.</source>
+        <translation>Henüz raporlanacak bir şey yok. Bir ölçüm açıp işleyin.</translation>
+    </message>
+    <message>
+        <source>These files will be written</source>
+        <translation>Yazılacak dosyalar</translation>
+    </message>
+    <message>
+        <source>This is a draft: candidates undecided or unsure: {count}</source>
+        <translation>Bu bir taslaktır: karar bekleyen ya da kararsız aday: {count}</translation>
+    </message>
+    <message>
+        <source>Verdict</source>
+        <translation>Karar</translation>
+    </message>
+    <message>
+        <source>one row a candidate</source>
+        <translation>her aday için bir satır</translation>
+    </message>
+    <message>
+        <source>settings, versions and file hashes</source>
+        <translation>ayarlar, sürümler ve dosyaların parmak izleri</translation>
+    </message>
+    <message>
+        <source>the path with its accuracy</source>
+        <translation>yol ve kesinliği</translation>
+    </message>
+    <message>
+        <source>the report with map, accuracy and one section a leak</source>
+        <translation>haritalı rapor: konumların kesinliği ve her kaçak için bir bölüm</translation>
+    </message>
+    <message>
+        <source>the same for a map program</source>
+        <translation>aynı bilgiler, harita programı için</translation>
+    </message>
+    <message>
+        <source>to</source>
+        <translation>Yer:</translation>
+    </message>
+    <message>
+        <source>± (m)</source>
+        <translation>± (m)</translation>
+    </message>
+</context>
+<context>
+    <name>ReviewControl</name>
+    <message>
+        <source>class of {name}</source>
+        <translation>{name} sınıfı</translation>
+    </message>
+    <message>
+        <source>mark by hand</source>
+        <translation>elle işaretleme</translation>
+    </message>
+    <message>
+        <source>note on {name}</source>
+        <translation>{name} notu</translation>
+    </message>
+    <message>
+        <source>{name}: {verdict}</source>
+        <translation>{name}: {verdict}</translation>
+    </message>
+</context>
+<context>
+    <name>ReviewPage</name>
+    <message>
+        <source>E {east}  N {north} m</source>
+        <translation>D {east}  K {north} m</translation>
+    </message>
+</context>
+<context>
+    <name>SpectrogramView</name>
+    <message>
+        <source>Hz</source>
+        <translation>Hz</translation>
+    </message>
+    <message>
+        <source>No sound</source>
+        <translation>Ses yok</translation>
+    </message>
+    <message>
+        <source>Spectrogram</source>
+        <translation>Spektrogram</translation>
+    </message>
+</context>
+<context>
+    <name>StartPage</name>
+    <message>
+        <source>From the folder off the device to a leak on the map, the same day.</source>
+        <translation>Cihazdan alınan klasörden haritadaki kaçağa, aynı gün içinde.</translation>
+    </message>
+    <message>
+        <source>Look at the demonstration</source>
+        <translation>Tanıtıma bak</translation>
+    </message>
+    <message>
+        <source>Nothing has been opened yet.</source>
+        <translation>Henüz hiçbir şey açılmadı.</translation>
+    </message>
+    <message>
+        <source>Open the device's folder…</source>
+        <translation>Cihazın klasörünü aç…</translation>
+    </message>
+    <message>
+        <source>Recent surveys</source>
+        <translation>Son ölçümler</translation>
+    </message>
+    <message>
+        <source>or drop a folder anywhere on this window</source>
+        <translation>ya da bir klasörü bu pencerenin üzerine bırakın</translation>
+    </message>
+</context>
+<context>
+    <name>SurveyForm</name>
+    <message>
+        <source>Channel (from 0)</source>
+        <translation>Kanal (0'dan başlar)</translation>
+    </message>
+    <message>
+        <source>Client</source>
+        <translation>Müşteri</translation>
+    </message>
+    <message>
+        <source>Clock drift (ppm)</source>
+        <translation>Saat sapması (ppm)</translation>
+    </message>
+    <message>
+        <source>Date</source>
+        <translation>Tarih</translation>
+    </message>
+    <message>
+        <source>Device and pipe</source>
+        <translation>Cihaz ve boru</translation>
+    </message>
+    <message>
+        <source>Elevation (m)</source>
+        <translation>Yükseklik (m)</translation>
+    </message>
+    <message>
+        <source>First heading (° from north)</source>
+        <translation>Başlangıç yönü (kuzeyden °)</translation>
+    </message>
+    <message>
+        <source>GRP</source>
+        <translation>CTP</translation>
+    </message>
+    <message>
+        <source>Inner diameter (mm)</source>
+        <translation>İç çap (mm)</translation>
+    </message>
+    <message>
+        <source>Latitude (°)</source>
+        <translation>Enlem (°)</translation>
+    </message>
+    <message>
+        <source>Launch point</source>
+        <translation>Bırakma noktası</translation>
+    </message>
+    <message>
+        <source>Leak finder</source>
+        <translation>Kaçak arama</translation>
+    </message>
+    <message>
+        <source>Longitude (°)</source>
+        <translation>Boylam (°)</translation>
+    </message>
+    <message>
+        <source>Method</source>
+        <translation>Yöntem</translation>
+    </message>
+    <message>
+        <source>Name</source>
+        <translation>Ad</translation>
+    </message>
+    <message>
+        <source>Operator</source>
+        <translation>Operatör</translation>
+    </message>
+    <message>
+        <source>Orientation</source>
+        <translation>Yönelim</translation>
+    </message>
+    <message>
+        <source>Pipe material</source>
+        <translation>Boru malzemesi</translation>
+    </message>
+    <message>
+        <source>Position</source>
+        <translation>Konum</translation>
+    </message>
+    <message>
+        <source>Rolling radius (mm)</source>
+        <translation>Yuvarlanma yarıçapı (mm)</translation>
+    </message>
+    <message>
+        <source>Sound</source>
+        <translation>Ses</translation>
+    </message>
+    <message>
+        <source>Sound begins at (s)</source>
+        <translation>Sesin başlangıcı (s)</translation>
+    </message>
+    <message>
+        <source>Survey</source>
+        <translation>Ölçüm</translation>
+    </message>
+    <message>
+        <source>Surveyed length (m)</source>
+        <translation>Ölçülmüş uzunluk (m)</translation>
+    </message>
+    <message>
+        <source>The device is</source>
+        <translation>Cihaz</translation>
+    </message>
+    <message>
+        <source>and North (m)</source>
+        <translation>ve kuzey (m)</translation>
+    </message>
+    <message>
+        <source>asbestos cement</source>
+        <translation>asbestli çimento</translation>
+    </message>
+    <message>
+        <source>automatic</source>
+        <translation>otomatik</translation>
+    </message>
+    <message>
+        <source>cast iron</source>
+        <translation>pik döküm</translation>
+    </message>
+    <message>
+        <source>concrete</source>
+        <translation>beton</translation>
+    </message>
+    <message>
+        <source>ductile iron</source>
+        <translation>düktil font</translation>
+    </message>
+    <message>
+        <source>found by itself</source>
+        <translation>kendiliğinden bulunur</translation>
+    </message>
+    <message>
+        <source>in the system</source>
+        <translation>Koordinat sistemi</translation>
+    </message>
+    <message>
+        <source>needed</source>
+        <translation>gerekli</translation>
+    </message>
+    <message>
+        <source>or East (m)</source>
+        <translation>ya da doğu (m)</translation>
+    </message>
+    <message>
+        <source>steel</source>
+        <translation>çelik</translation>
+    </message>
+    <message>
+        <source>unknown</source>
+        <translation>bilinmiyor</translation>
+    </message>
+</context>
+<context>
+    <name>TiePointModel</name>
+    <message>
+        <source>Chainage (m)</source>
+        <translation>Hat metresi (m)</translation>
+    </message>
+    <message>
+        <source>East (m)</source>
+        <translation>Doğu (m)</translation>
+    </message>
+    <message>
+        <source>Latitude</source>
+        <translation>Enlem</translation>
+    </message>
+    <message>
+        <source>Longitude</source>
+        <translation>Boylam</translation>
+    </message>
+    <message>
+        <source>Name</source>
+        <translation>Ad</translation>
+    </message>
+    <message>
+        <source>North (m)</source>
+        <translation>Kuzey (m)</translation>
+    </message>
+    <message>
+        <source>Time (s)</source>
+        <translation>Zaman (s)</translation>
+    </message>
+    <message>
+        <source>Up (m)</source>
+        <translation>Yukarı (m)</translation>
+    </message>
+    <message>
+        <source>Use</source>
+        <translation>Kullan</translation>
+    </message>
+    <message>
+        <source>± 1σ (m)</source>
+        <translation>± 1σ (m)</translation>
+    </message>
+</context>
+<context>
+    <name>TiePointPanel</name>
+    <message>
+        <source>Add at cursor</source>
+        <translation>İmlece ekle</translation>
+    </message>
+    <message>
+        <source>Declare a closed loop: a tie point at the launch at the end of the run</source>
+        <translation>Kapalı döngü: koşunun sonu için bırakma noktasına bir bağlama noktası ekler</translation>
+    </message>
+    <message>
+        <source>Ended where it began</source>
+        <translation>Başladığı yerde bitti</translation>
+    </message>
+    <message>
+        <source>Places the device is known to have passed, and when. They carry the accuracy.</source>
+        <translation>Cihazın geçtiği bilinen yerler ve geçiş zamanları. Konumların kesinliği bunlara dayanır.</translation>
+    </message>
+    <message>
+        <source>Remove</source>
+        <translation>Sil</translation>
+    </message>
+    <message>
+        <source>Tie points</source>
+        <translation>Bağlama noktaları</translation>
+    </message>
+    <message>
+        <source>back at the launch</source>
+        <translation>bırakma noktasına dönüş</translation>
+    </message>
+    <message>
+        <source>mark {number}</source>
+        <translation>işaret {number}</translation>
+    </message>
+</context>
+<context>
+    <name>Vocabulary</name>
+    <message>
+        <source>air pocket</source>
+        <translation>hava cebi</translation>
+    </message>
+    <message>
+        <source>bend</source>
+        <translation>dirsek</translation>
+    </message>
+    <message>
+        <source>bump</source>
+        <translation>sarsıntı</translation>
+    </message>
+    <message>
+        <source>carried or pulled</source>
+        <translation>taşınan ya da çekilen</translation>
+    </message>
+    <message>
+        <source>confirmed</source>
+        <translation>onaylandı</translation>
+    </message>
+    <message>
+        <source>good to know</source>
+        <translation>bilgi</translation>
+    </message>
+    <message>
+        <source>leak</source>
+        <translation>kaçak</translation>
+    </message>
+    <message>
+        <source>not assessed</source>
+        <translation>değerlendirilmedi</translation>
+    </message>
+    <message>
+        <source>on a foot</source>
+        <translation>ayağa takılı</translation>
+    </message>
+    <message>
+        <source>please look</source>
+        <translation>lütfen bakın</translation>
+    </message>
+    <message>
+        <source>pump</source>
+        <translation>pompa</translation>
+    </message>
+    <message>
+        <source>rejected</source>
+        <translation>reddedildi</translation>
+    </message>
+    <message>
+        <source>repaired</source>
+        <translation>onarıldı</translation>
+    </message>
+    <message>
+        <source>rolling ball</source>
+        <translation>yuvarlanan top</translation>
+    </message>
+    <message>
+        <source>traffic</source>
+        <translation>trafik</translation>
+    </message>
+    <message>
+        <source>undecided</source>
+        <translation>karar bekliyor</translation>
+    </message>
+    <message>
+        <source>unknown</source>
+        <translation>bilinmiyor</translation>
+    </message>
+    <message>
+        <source>unsure</source>
+        <translation>kararsız</translation>
+    </message>
+    <message>
+        <source>valve</source>
+        <translation>vana</translation>
+    </message>
+</context>
+</TS>
