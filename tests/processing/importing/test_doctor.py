@@ -163,7 +163,7 @@ def test_a_restart_of_the_device_is_counted_on_and_masked(tmp_path, rows):
 
 
 def test_single_wild_times_are_dropped(tmp_path, rows):
-    rows.time[[300, 1400]] = [7.3e5, -50.0]
+    rows.time[[300, 1400]] = [7.3e4, -50.0]
     recording = imported(tmp_path, rows)
     assert found(recording, "time_wild").params["count"] == 2
     assert len(recording.imu.time_s) == 1998

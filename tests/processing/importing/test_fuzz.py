@@ -41,7 +41,7 @@ def test_the_sound_recording_of_each_kind_is_read(tmp_path, name):
     assert recording.imu.sample_rate_hz == pytest.approx(100.0, rel=1e-3)
 
 
-@pytest.mark.parametrize("batch", range(6))
+@pytest.mark.parametrize("batch", range(4))
 def test_damaged_recordings_end_in_a_message_or_a_result(tmp_path, batch):
     sentences = {}
     for number in range(20 * batch, 20 * batch + 20):
