@@ -43,12 +43,20 @@ def process_folder(path: Path, out: Path, overrides: list[str], language: str, p
     _check_writable(out)
     if is_survey_folder(path):
         return _process_project(path, out, overrides, language, progress)
-    with _naming(path, overrides):
-        return _process_device_folder(path, out, overrides, language, progress)
-
-
-def _process_device_folder(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
     survey, settings = _overridden(read_survey(path), Settings(), overrides)
+    with _naming(path, overrides):
+        return _process_recording(path, out, survey, settings, overrides, language, progress)
+
+
+def _process_recording(
+    path: Path,
+    out: Path,
+    survey: Survey,
+    settings: Settings,
+    overrides: list[str],
+    language: str,
+    progress: Progress,
+) -> Results:
     options = _told_sound(path, survey, overrides)
     with tempfile.TemporaryDirectory(prefix="leakline-", ignore_cleanup_errors=True) as scratch:
         cache = Cache(Path(scratch))

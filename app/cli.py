@@ -4,7 +4,9 @@ import argparse
 import errno
 import logging
 import os
+import signal
 import sys
+import threading
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
@@ -63,6 +65,20 @@ def _as_leakline_error(error: OSError) -> LeaklineError:
     return LeaklineError(ErrorCode.FILE_UNREADABLE, place, reason=error.strerror or str(error))
 
 
+def _place(word: str) -> Path:
+    """Return a path; an empty word is a variable that was not set, not the current folder."""
+    if not word.strip():
+        raise argparse.ArgumentTypeError("it is empty")
+    return Path(word)
+
+
+def _seed(word: str) -> int:
+    """Return a seed: a whole number from 0 on."""
+    if not (word.isascii() and word.isdecimal() and len(word) <= 30):
+        raise argparse.ArgumentTypeError(f"{word[:40]!r} is not a whole number from 0 on")
+    return int(word)
+
+
 def _common_words() -> OneLineParser:
     """Return the words that may stand before and after the command."""
     common = OneLineParser(add_help=False)
@@ -83,23 +99,23 @@ def parser() -> OneLineParser:
     commands = top.add_subparsers(title="commands", metavar="COMMAND", parser_class=OneLineParser)
 
     one = commands.add_parser("open", parents=[common], help="open a survey folder or project in the window")
-    one.add_argument("path", type=Path, metavar="PATH")
+    one.add_argument("path", type=_place, metavar="PATH")
     one.set_defaults(handler=_window)
 
     one = commands.add_parser("demo", parents=[common], help="open the bundled demonstration survey")
-    one.add_argument("--out", type=Path, metavar="DIR", help="process it without a window and write its files there")
+    one.add_argument("--out", type=_place, metavar="DIR", help="process it without a window and write its files there")
     one.set_defaults(handler=_demo)
 
     one = commands.add_parser("process", parents=[common], help="do the whole job without a window")
-    one.add_argument("path", type=Path, metavar="PATH", help="a device's folder, a single log, or a project")
-    one.add_argument("--out", type=Path, metavar="DIR", required=True, help="where the files are written")
+    one.add_argument("path", type=_place, metavar="PATH", help="a device's folder, a single log, or a project")
+    one.add_argument("--out", type=_place, metavar="DIR", required=True, help="where the files are written")
     one.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", dest="overrides")
     one.set_defaults(handler=_process)
 
     one = commands.add_parser("simulate", parents=[common], help="write a simulated survey with its truth")
     one.add_argument("scenario", metavar="SCENARIO", help="a name (see 'leakline scenarios'), or a scenario file")
-    one.add_argument("--out", type=Path, metavar="DIR", required=True)
-    one.add_argument("--seed", type=int, default=0, metavar="N")
+    one.add_argument("--out", type=_place, metavar="DIR", required=True)
+    one.add_argument("--seed", type=_seed, default=0, metavar="N")
     one.set_defaults(handler=_simulate)
 
     one = commands.add_parser("scenarios", parents=[common], help="list what can be simulated")
@@ -140,6 +156,8 @@ def _process(words: argparse.Namespace) -> int:
 def _process_to(path: Path, out: Path, overrides: list[str], language: str) -> int:
     from app.batch import process_folder
 
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # else the scratch files would stay behind
     with _TerminalProgress(language) as progress:
         outcome = process_folder(path, out, overrides, language, progress)
     for finding in outcome.findings:
@@ -182,7 +200,7 @@ class _TerminalProgress(Progress):
 
     def __init__(self, language: str) -> None:
         self._language = language
-        self._shown = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        self._shown = sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         super().__init__(self._show if self._shown else None)
 
     def _show(self, fraction: float, phrase: str) -> None:

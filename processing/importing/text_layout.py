@@ -53,6 +53,8 @@ def read_head(path: Path, size: int = HEAD_BYTES) -> bytes:
         LeaklineError: FILE_MISSING, FILE_UNREADABLE, FILE_EMPTY.
     """
     try:
+        if path.stat().st_size == 0:  # the system's own "files" among them, which may never answer
+            raise LeaklineError(ErrorCode.FILE_EMPTY, Place(path))
         with path.open("rb") as file:
             head = file.read(size)
     except FileNotFoundError:

@@ -46,6 +46,10 @@ def write_exports(
         write_pdf(report, content, language, progress.part(0.4, 1.0))
     except OSError as error:
         code = ErrorCode.DISC_FULL if error.errno == errno.ENOSPC else ErrorCode.CANNOT_WRITE
-        raise LeaklineError(code, Place(out_dir), reason=error.strerror or str(error)) from error
+        # the full disc may be that of the temporary folder, where the report is set
+        where = out_dir
+        if code is ErrorCode.DISC_FULL and isinstance(error.filename, str):
+            where = Path(error.filename).parent
+        raise LeaklineError(code, Place(where), reason=error.strerror or str(error)) from error
     progress.update(1.0, "exporting")
     return leaks, track, geojson, summary, report

@@ -9,13 +9,22 @@ from typing import TextIO
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[TextIO]:
-    """Open ``path`` for UTF-8 text with ``\\n`` line ends; it appears there only when all of it is on disk."""
-    aside = path.with_name(f".{path.name}.part")
+    """Open ``path`` for UTF-8 text with ``\\n`` line ends; it appears there only when all of it is on disk.
+
+    Undecodable bytes of an old file name become ``\\udcff``, as JSON writes them too. Two programs that write the same
+    file do not meet: each has its own file aside, and the last one stays.
+    """
+    aside = aside_of(path)
     try:
-        with aside.open("w", encoding="utf-8", newline="\n") as file:
+        with aside.open("w", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
             yield file
             file.flush()
             os.fsync(file.fileno())
         aside.replace(path)
     finally:
         aside.unlink(missing_ok=True)
+
+
+def aside_of(path: Path) -> Path:
+    """Return where a file is written before it takes its place."""
+    return path.with_name(f".{path.name[:200]}.{os.getpid()}.part")

@@ -11,6 +11,7 @@ from processing.errors import ErrorCode, LeaklineError, Place
 from processing.progress import Progress
 from processing.reporting.content import ReportContent
 from processing.reporting.figures import MapLabels, level_excerpt, plan_map, profile
+from processing.reporting.files import aside_of
 from processing.reporting.sheets import Words, page_data, rows_with_sheet
 from processing.reporting.spectrogram import spectrogram_excerpt
 
@@ -28,7 +29,7 @@ def write_pdf(path: Path, content: ReportContent, language: str, progress: Progr
     with tempfile.TemporaryDirectory(prefix="leakline-report-") as name:
         folder = Path(name)
         _add_figures(data, content, words, folder, progress)
-        (folder / "data.json").write_text(json.dumps(data, ensure_ascii=False), encoding="utf-8")
+        (folder / "data.json").write_text(json.dumps(data, ensure_ascii=False), encoding="utf-8", errors="replace")
         template = (resources.files("resources") / "report" / "report.typ").read_text(encoding="utf-8")
         (folder / "report.typ").write_text(template, encoding="utf-8")
         with resources.as_file(resources.files("resources") / "fonts") as fonts:
@@ -38,7 +39,7 @@ def write_pdf(path: Path, content: ReportContent, language: str, progress: Progr
                 )
             except RuntimeError as error:  # typst has no narrower class
                 raise LeaklineError(ErrorCode.REPORT_FAILED, Place(path), reason=str(error)) from error
-    aside = path.with_name(f".{path.name}.part")
+    aside = aside_of(path)
     try:
         aside.write_bytes(pdf)
         aside.replace(path)
@@ -52,7 +53,7 @@ def _add_figures(data: dict, content: ReportContent, words: Words, folder: Path,
     def keep(name: str, svg: str | None) -> str | None:
         if svg is None:
             return None
-        (folder / name).write_text(svg, encoding="utf-8")
+        (folder / name).write_text(svg, encoding="utf-8", errors="replace")
         return name
 
     data["map"] = keep("map.svg", plan_map(content, labels, MAP))

@@ -25,6 +25,8 @@ def read_scenario(path: Path) -> Scenario:
     """
     place = Place(path)
     try:
+        if path.exists() and not path.is_file():  # a device or a pipe would be read for ever
+            raise LeaklineError(ErrorCode.FILE_UNREADABLE, place, reason="not a file")
         size = path.stat().st_size
         if size > _LARGEST_BYTES:
             raise LeaklineError(ErrorCode.FILE_TOO_LARGE, place, size_mb=size / 1e6, limit_mb=_LARGEST_BYTES / 1e6)

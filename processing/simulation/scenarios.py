@@ -40,7 +40,7 @@ def load_scenario(path_or_name: str | Path) -> Scenario:
     name = str(path_or_name)
     if name in SCENARIOS:
         return SCENARIOS[name]()
-    if name.startswith("random-") and name[7:].isdecimal():
+    if name.startswith("random-") and name[7:].isdecimal() and len(name) < 30:
         return random_scenario(int(name[7:]))
     path = Path(path_or_name)
     if path.suffix.lower() in {".toml", ".json"} or path.exists():

@@ -5,7 +5,9 @@ whoever checks the result.
 """
 
 import dataclasses
+import errno
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from processing.simulation.sound import sound_blocks
 from processing.survey import FloatArray, ImuSamples
 
 _ROWS_A_BLOCK = 4096
+_LEAST_FREE_BYTES = 1 << 20
 _TRUTH_RATE_HZ = 20.0
 _COLUMNS = (
     (("acc_x_mps2", "acc_y_mps2", "acc_z_mps2"), "%.4f"),
@@ -34,7 +37,7 @@ def write_run(run: SimulatedRun, folder: Path, progress: Progress | None = None)
     """Write all files of ``run`` into ``folder`` (made if absent; files of the same names are replaced).
 
     Raises:
-        LeaklineError: CANNOT_WRITE where the folder or a file cannot be written.
+        LeaklineError: DISC_FULL, or CANNOT_WRITE where the folder or a file cannot be written.
     """
     progress = progress or silent()
     try:
@@ -48,7 +51,8 @@ def write_run(run: SimulatedRun, folder: Path, progress: Progress | None = None)
         _write_track(run, folder / "truth_track.csv")
     except OSError as error:
         reason = error.strerror or str(error)
-        raise LeaklineError(ErrorCode.CANNOT_WRITE, Place(folder), reason=reason) from error
+        code = ErrorCode.DISC_FULL if error.errno == errno.ENOSPC else ErrorCode.CANNOT_WRITE
+        raise LeaklineError(code, Place(folder), reason=reason) from error
     progress.update(1.0, "write_sound")
 
 
@@ -97,12 +101,18 @@ def _write_sound(run: SimulatedRun, path: Path, progress: Progress) -> None:
     plan = run.sound
     assert plan is not None
     done = 0
-    with sf.SoundFile(path, "w", plan.rate_hz, 1, subtype="PCM_16") as file:
-        for block in sound_blocks(plan):
-            # scaled here, so that the file is the same whatever the library makes of full scale
-            file.write(np.round(block * 32767).astype(np.int16))
-            done += len(block)
-            progress.update(min(done / plan.frames, 1.0), "write_sound")
+    try:
+        with sf.SoundFile(path, "w", plan.rate_hz, 1, subtype="PCM_16") as file:
+            for block in sound_blocks(plan):
+                # scaled here, so that the file is the same whatever the library makes of full scale
+                file.write(np.round(block * 32767).astype(np.int16))
+                done += len(block)
+                progress.update(min(done / plan.frames, 1.0), "write_sound")
+    except sf.LibsndfileError as error:
+        # the library does not say why it cannot write; half a file would look like the device's own
+        full = shutil.disk_usage(path.parent).free < _LEAST_FREE_BYTES
+        path.unlink(missing_ok=True)
+        raise OSError(errno.ENOSPC if full else errno.EIO, error.error_string) from error
 
 
 def _write_track(run: SimulatedRun, path: Path) -> None:

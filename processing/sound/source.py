@@ -124,7 +124,7 @@ class AudioReader:
         try:
             if self._open_index != index:
                 self.close()
-                self._handle = part.path.open("rb") if part.raw_subtype else soundfile.SoundFile(str(part.path))
+                self._handle = part.path.open("rb") if part.raw_subtype else soundfile.SoundFile(_name_of(part.path))
                 self._open_index = index
             if part.raw_subtype:
                 samples = _read_raw(self._handle, part, self._source.channels, self._source.channel, start, count)
@@ -148,7 +148,7 @@ class AudioReader:
             except soundfile.SoundFileError:
                 # a compressed file that was cut off can often be read but not sought: read on from its beginning
                 self._handle.close()
-                self._handle = soundfile.SoundFile(str(part.path))
+                self._handle = soundfile.SoundFile(_name_of(part.path))
                 for at in range(0, start, _COUNT_BLOCK):
                     self._handle.read(min(_COUNT_BLOCK, start - at), dtype="float32")
         data = self._handle.read(count, dtype="float32", always_2d=True)
@@ -170,6 +170,12 @@ def _read_raw(file: IO[bytes], part: AudioPart, channels: int, channel: int, sta
 
 
 # --- opening one file ----------------------------------------------------------------------------------------------
+
+
+def _name_of(path: Path) -> str | bytes:
+    """Return the name as soundfile takes it; outside of Windows as bytes, which need not be text in any encoding."""
+    return str(path) if os.name == "nt" else os.fsencode(path)
+
 
 _Opened = tuple[AudioPart, float, int]  # part, sample rate, channels
 
@@ -229,7 +235,7 @@ def _libsndfile_frames(path: Path) -> int | None:
     if path.suffix.lower() == ".raw":  # soundfile goes by this name and would not look at the header
         return None
     try:
-        with soundfile.SoundFile(str(path)) as file:
+        with soundfile.SoundFile(_name_of(path)) as file:
             return int(file.frames)
     except soundfile.SoundFileError:
         return None
@@ -260,7 +266,7 @@ def _open_raw(path: Path, form: RawForm | None, findings: list[Finding]) -> _Ope
 
 def _open_decoded(path: Path, magic: bytes, findings: list[Finding]) -> _Opened:
     try:
-        with soundfile.SoundFile(str(path)) as file:
+        with soundfile.SoundFile(_name_of(path)) as file:
             rate, channels, claimed = float(file.samplerate), int(file.channels), int(file.frames)
             is_whole = 0 < claimed / rate <= _MAX_DURATION_S and _has_frame(file, claimed - 1)
     except (soundfile.SoundFileError, TypeError, ZeroDivisionError) as error:
@@ -292,7 +298,7 @@ def _count_readable(path: Path) -> int:
 
 def _count_until_error(path: Path, coarse_until: int) -> tuple[int, bool]:
     count = 0
-    with soundfile.SoundFile(str(path)) as file:
+    with soundfile.SoundFile(_name_of(path)) as file:
         while True:
             size = _COUNT_BLOCK if count + _COUNT_BLOCK <= coarse_until else _COUNT_FINE
             try:
