@@ -103,10 +103,16 @@ def make_content(results: Results, decisions: Mapping[int, Decision]) -> ReportC
     places = known_places(results)
     rows = tuple(
         leak_row(candidate, decisions.get(candidate.id, Decision()), frame, places)
-        for candidate in sorted(results.candidates, key=lambda c: -c.score)
+        for candidate in sorted(results.candidates, key=best_first)
     )
     unassessed = tuple(unassessed_stretch(results, stretch) for stretch in results.not_assessed)
     return ReportContent(results, rows, places, unassessed, frame)
+
+
+def best_first(candidate: Candidate) -> tuple[bool, float, float]:
+    """Return what sorts by falling score; what the operator marked has no score and comes last, along the pipe."""
+    marked = bool(np.isnan(candidate.score))
+    return marked, 0.0 if marked else -candidate.score, candidate.time_s
 
 
 def leak_row(candidate: Candidate, decision: Decision, frame: LocalFrame, places: tuple[Neighbour, ...]) -> LeakRow:

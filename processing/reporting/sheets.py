@@ -157,8 +157,8 @@ def table_row(row: LeakRow, content: ReportContent, words: Words) -> dict[str, s
         if np.isfinite(c.chainage_m)
         else f"{c.time_s:.1f} s",
         "coordinates": "\n".join(coordinate_lines(row, content, words)[:1]),
-        "score": words("percent", percent=100 * c.score),
-        "level": f"{c.level_db:+.1f} dB",
+        "score": words("percent", percent=100 * c.score) if np.isfinite(c.score) else words("marked_short"),
+        "level": f"{c.level_db:+.1f} dB" if np.isfinite(c.level_db) else "",
     }
 
 
@@ -197,13 +197,14 @@ def sheet(row: LeakRow, content: ReportContent, words: Words) -> dict[str, Any]:
         return words("neighbour", name=name, distance=entry.distance_m)
 
     low, high = c.band_hz
+    scored, known_level = np.isfinite(c.score), np.isfinite(c.level_db)
     facts = [
         [words("coordinates"), "\n".join(coordinate_lines(row, content, words))],
         [words("before"), neighbour(row.before)],
         [words("after"), neighbour(row.after)],
         [words("col_class"), words(f"class_{row.leak_class.value}")],
-        [words("col_level"), words("level_value", level=c.level_db, low=low, high=high)],
-        [words("col_score"), words("probability_value", percent=100 * c.score)],
+        [words("col_level"), words("level_value", level=c.level_db, low=low, high=high) if known_level else ""],
+        [words("col_score"), words("probability_value", percent=100 * c.score) if scored else words("marked")],
         [words("note"), row.decision.note],
     ]
     return {

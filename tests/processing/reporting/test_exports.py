@@ -151,3 +151,14 @@ def test_a_folder_that_cannot_be_written_is_said(results, tmp_path):
     with pytest.raises(LeaklineError) as caught:
         write_exports(results, {}, tmp_path / "file")
     assert caught.value.code is ErrorCode.CANNOT_WRITE
+
+
+def test_a_place_that_the_operator_marked_has_no_probability_and_comes_last(results, tmp_path):
+    marked = replace(results.candidates[0], id=9, score=float("nan"), level_db=float("nan"))
+    write_exports(replace(results, candidates=(marked, *results.candidates)), {}, tmp_path)
+    table = rows(tmp_path / "leaks.csv")
+    assert [row["id"] for row in table] == ["2", "1", "3", "9"]
+    assert (table[-1]["score"], table[-1]["level_dB"]) == ("", "")
+    text = "\n".join(page.extract_text() for page in pypdf.PdfReader(tmp_path / "report.pdf").pages)
+    assert "marked by the operator" in text
+    assert "nan" not in text
