@@ -28,6 +28,7 @@ from processing.survey import (
     Attitude,
     AudioInfo,
     AudioSource,
+    Channel,
     ClockMap,
     Finding,
     ImportedFile,
@@ -126,7 +127,12 @@ def process(
     findings += oriented.findings if oriented is not None else ()
     findings += track.findings if track is not None else ()
     findings += (*sound.scan.findings, *sound.findings) if sound is not None else ()
-    stretches = {*known_bad, *heard.not_assessed, *(sound.scan.stretches(sound.clock) if sound is not None else ())}
+    stretches = {
+        *known_bad,
+        *_never_heard(track, audio),
+        *heard.not_assessed,
+        *(sound.scan.stretches(sound.clock) if sound is not None else ()),
+    }
     return Results(
         survey=survey,
         recording=recording,
@@ -212,6 +218,13 @@ def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, im
     )
     _check_speed(track)
     return oriented, track
+
+
+def _never_heard(track: Track | None, audio: AudioSource | None) -> tuple[Stretch, ...]:
+    """Return the whole way as a stretch where there is no sound at all: a pipe that nobody listened to is not tight."""
+    if track is None or audio is not None:
+        return ()
+    return (Stretch(float(track.time_s[0]), float(track.time_s[-1]), Channel.SOUND, "no_sound"),)
 
 
 def _check_speed(track: Track) -> None:

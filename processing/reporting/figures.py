@@ -49,7 +49,7 @@ def plan_map(
 
     def draw() -> None:
         _draw_route(drawing, frame, content)
-        _draw_path(drawing, frame, content, whole, track)
+        _draw_path(drawing, frame, content, whole, track, around)
         _draw_known_places(drawing, frame, content, track, labels)
         for row in content.rows:
             if around is None or row is around or _inside(frame, row):
@@ -87,12 +87,15 @@ def _draw_route(drawing: Drawing, frame: Frame, content: ReportContent) -> None:
     drawing.path(_places(frame, route_local(content.frame, route)), SOFT, 3.2, opacity=0.25)
 
 
-def _draw_path(drawing: Drawing, frame: Frame, content: ReportContent, whole: FloatArray, track: Track) -> None:
+def _draw_path(
+    drawing: Drawing, frame: Frame, content: ReportContent, whole: FloatArray, track: Track, around: LeakRow | None
+) -> None:
     for row in content.rows:
         c = row.candidate
         if (
             row.decision.verdict is not Verdict.REJECTED
             and np.isfinite([c.chainage_low95_m, c.chainage_high95_m]).all()
+            and (around is None or row is around or _inside(frame, row))
         ):
             span = path_between(track, c.chainage_low95_m, c.chainage_high95_m)
             drawing.path(_places(frame, span), INTERVAL, 12.0, opacity=0.7, cap="butt")
