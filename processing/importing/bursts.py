@@ -10,6 +10,7 @@ import itertools
 import numpy as np
 
 from processing.importing.raw import RawImu
+from processing.importing.time_stamps import sampled_steps
 from processing.settings import ImportSettings
 from processing.survey import FloatArray
 
@@ -21,7 +22,7 @@ _MIN_ROWS = 200
 def long_period(time: FloatArray) -> float:
     """Return the period (s) over many samples of (n,) sorted times, which bursts do not touch: the median over lags."""
     lag = min(_LAG, max(len(time) // 4, 1))
-    return float(np.median(time[lag:] - time[:-lag]) / lag)
+    return float(np.median(sampled_steps(time, lag)) / lag)
 
 
 def is_bursty(time: FloatArray) -> bool:
@@ -29,7 +30,7 @@ def is_bursty(time: FloatArray) -> bool:
     if len(time) < _MIN_ROWS:
         return False
     period = long_period(time)
-    steps = np.diff(time)
+    steps = sampled_steps(time)
     if not period > 0:
         return False
     uneven = np.mean((steps < 0.3 * period) | (steps > 2.5 * period))

@@ -4,11 +4,12 @@ import numpy as np
 
 from processing.importing.doctor_values import fill
 from processing.importing.raw import RawImu
-from processing.importing.rows import thinned
+from processing.importing.rows import BLOCK_ROWS, thinned
 from processing.importing.units import AUTO
-from processing.survey import Finding, FloatArray, Severity
+from processing.survey import BoolArray, Finding, FloatArray, Severity
 
 _FIELD_UT = (10.0, 600.0)  # earth's field is 22–67 µT; iron nearby adds to it
+_ABSURD_UT = 1e8
 _SIZES = (("ut", 1.0), ("gauss", 100.0), ("nt", 1e-3), ("mgauss", 0.1))
 
 
@@ -16,7 +17,7 @@ def settle_mag(raw: RawImu) -> tuple[FloatArray | None, list[Finding]]:
     """Return ``raw.mag`` in µT without holes, or None where there is no living magnetometer, and what was found."""
     if raw.mag is None:
         return None, [Finding("mag_absent", Severity.INFO)]
-    bad = ~np.isfinite(raw.mag).all(axis=1) | (np.abs(np.nan_to_num(raw.mag)).max(axis=1) > 1e8)
+    bad = _absurd_rows(raw.mag)
     if bad.all():
         return None, [Finding("mag_absent", Severity.INFO)]
     findings = []
@@ -37,6 +38,15 @@ def settle_mag(raw: RawImu) -> tuple[FloatArray | None, list[Finding]]:
         findings.append(Finding("mag_axis_dead", Severity.WARNING, {"axes": "".join(dead)}))
         return None, findings
     return raw.mag, findings
+
+
+def _absurd_rows(values: FloatArray) -> BoolArray:
+    """Rows (n,) of (n, 3) with a number that is none, or no field on earth."""
+    bad = np.zeros(len(values), dtype=np.bool_)
+    for start in range(0, len(values), BLOCK_ROWS):
+        part = slice(start, start + BLOCK_ROWS)
+        bad[part] = ~(np.abs(values[part]) < _ABSURD_UT).all(axis=1)
+    return bad
 
 
 def settle_quat(raw: RawImu) -> tuple[FloatArray | None, list[Finding]]:

@@ -5,7 +5,7 @@ import numpy as np
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.importing.bursts import is_bursty, rebuild
 from processing.importing.raw import RawImu
-from processing.importing.rows import keep_rows, reorder_rows
+from processing.importing.rows import keep_rows, reorder_rows, thinned
 from processing.importing.time_stamps import (
     EPOCH_S,
     PLAUSIBLE_HZ,
@@ -98,7 +98,9 @@ def _drop_leading_zeros(raw: RawImu, findings: list[Finding]) -> None:
 def _drop_timeless(raw: RawImu, findings: list[Finding]) -> None:
     good = np.isfinite(raw.time)
     if good.any():
-        good &= np.abs(raw.time - np.median(raw.time[good])) < _WILD_S
+        sample = thinned(raw.time)[thinned(good)]
+        middle = float(np.median(sample if len(sample) else raw.time[good]))
+        good &= (raw.time > middle - _WILD_S) & (raw.time < middle + _WILD_S)
     lost = int(len(good) - good.sum())
     if lost:
         first = int(np.argmin(good)) + 1
@@ -115,14 +117,18 @@ def _drop_wild(raw: RawImu, findings: list[Finding]) -> None:
         if len(time) < 3 or not step > 0:
             break
         far = max(1.0, 20.0 * step)
-        before, after = time[1:-1] - time[:-2], time[2:] - time[1:-1]
-        across = time[2:] - time[:-2]
-        wild = (np.abs(before) > far) & (np.abs(after) > far) & (across > 0) & (across < 5.0 * step)
-        if not wild.any():
+        steps = np.diff(time)
+        leaps = np.nonzero((steps > far) | (steps < -far))[0]
+        peaks = leaps[1:][np.diff(leaps) == 1]  # a leap there, and one back
+        across = time[peaks + 1] - time[peaks - 1]
+        wild = peaks[(across > 0) & (across < 5.0 * step)]
+        if not len(wild):
             break
-        first = float(time[int(np.argmax(wild))]) if not count else first
-        count += int(wild.sum())
-        keep_rows(raw, np.concatenate([[True], ~wild, [True]]))
+        first = float(time[wild[0] - 1]) if not count else first
+        count += len(wild)
+        keep = np.ones(len(time), dtype=np.bool_)
+        keep[wild] = False
+        keep_rows(raw, keep)
     if count:
         findings.append(Finding("time_wild", Severity.REPAIRED, {"count": count, "first_s": first}))
 
@@ -219,7 +225,7 @@ def _strictly_increasing(raw: RawImu) -> None:
 def find_gaps(time: FloatArray, settings: ImportSettings) -> tuple[list[Finding], list[Stretch]]:
     """Return what is missing between the rows of (n,) increasing times; short holes only as a count."""
     steps = np.diff(time)
-    step = float(np.median(steps)) if len(steps) else 0.0
+    step = typical_step(time)
     gaps = np.nonzero(steps > settings.gap_factor * step)[0]
     if not len(gaps):
         return [], []

@@ -1,12 +1,15 @@
 """Drops and reorders the rows of a raw log in place, block by block, so that hours-long logs stay in their file."""
 
+from typing import TypeVar
+
 import numpy as np
 import numpy.typing as npt
 
 from processing.importing.raw import RawImu
-from processing.survey import BoolArray, FloatArray
+from processing.survey import BoolArray
 
 BLOCK_ROWS = 1 << 20
+Scalar = TypeVar("Scalar", np.float64, np.bool_)
 
 
 def keep_rows(raw: RawImu, keep: BoolArray) -> None:
@@ -29,7 +32,7 @@ def reorder_rows(raw: RawImu, start: int, order: npt.NDArray[np.intp]) -> None:
         array[start : start + len(order)] = array[start : start + len(order)][order]
 
 
-def thinned(array: FloatArray, most: int = 200_000) -> FloatArray:
+def thinned(array: npt.NDArray[Scalar], most: int = 200_000) -> npt.NDArray[Scalar]:
     """Return at most about ``most`` rows, spread over the whole, for statistics."""
     return np.asarray(array[:: max(len(array) // most, 1)])
 

@@ -11,6 +11,7 @@ from processing.survey import FloatArray
 DAY_S = 86400.0
 PLAUSIBLE_HZ = (4.0, 6000.0)
 EPOCH_S = 1e8
+_SAMPLED_ROWS = 1_200_000
 _CLOCK = re.compile(
     rb"(?:(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})[T _])?(\d{1,2}):(\d{2})(?::(\d{2}(?:\.\d+)?))?"
     rb"(?:Z|T?([+-])(\d{2}):?(\d{2}))?$"
@@ -91,17 +92,26 @@ def unwrap_counter(values: FloatArray) -> tuple[FloatArray, int]:
     return values, 0
 
 
+def sampled_steps(time: FloatArray, lag: int = 1) -> FloatArray:
+    """Return the steps over ``lag`` rows of (n,) times, for statistics: of a long log those in 24 spread pieces."""
+    pieces = [time]
+    if len(time) > _SAMPLED_ROWS:
+        size = _SAMPLED_ROWS // 24
+        pieces = [time[s : s + size] for s in np.linspace(0, len(time) - size, 24).astype(int)]
+    finite = [piece[np.isfinite(piece)] for piece in pieces]
+    return np.concatenate([piece[lag:] - piece[:-lag] for piece in finite])
+
+
 def typical_step(time: FloatArray) -> float:
     """The median of the positive steps of (n,) times; NaN where there is none."""
-    steps = np.diff(time[np.isfinite(time)])
+    steps = sampled_steps(time)
     steps = steps[steps > 0]
     return float(np.median(steps)) if len(steps) else float("nan")
 
 
 def mean_step(time: FloatArray) -> float:
     """The mean of the steps, without those far above it: what bursts of equal stamps leave untouched."""
-    finite = time[np.isfinite(time)]
-    steps = np.abs(np.diff(finite))
+    steps = np.abs(sampled_steps(time))
     if not len(steps):
         return float("nan")
     for _ in range(3):
