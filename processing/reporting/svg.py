@@ -62,6 +62,7 @@ class Drawing:
 
         ``backed`` lays a pale plate behind words that start at ``x``, so that they stay readable on lines.
         """
+        words = "".join(c for c in words if c.isprintable())  # XML has no form for control characters
         if style.get("backed"):
             size = float(style.get("size", 7.5))
             self.rectangle(x - 1.5, y - 0.85 * size, 0.58 * size * len(words) + 3, 1.15 * size, "#ffffff", 0.8)

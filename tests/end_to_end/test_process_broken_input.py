@@ -18,8 +18,8 @@ def write_rows(folder, head, table):
     np.savetxt(folder / "imu.csv", table, delimiter=",", fmt="%.6f", header=head, comments="")
 
 
-@pytest.mark.parametrize(("gap_s", "longest_s"), [(1200.0, 1300.0), (30 * 86400.0, 100.0)])
-def test_a_clock_that_jumps_by_minutes_or_days_neither_fails_nor_fills_the_memory(copied, processed, gap_s, longest_s):
+@pytest.mark.parametrize(("gap_s", "longest_s"), [(3 * 3600.0, 4 * 3600.0), (30 * 86400.0, 100.0)])
+def test_a_clock_that_jumps_by_hours_or_days_neither_fails_nor_fills_the_memory(copied, processed, gap_s, longest_s):
     folder = copied()
     head, table = rows_of(folder)
     table[table[:, 0] > 30.0, 0] += gap_s
@@ -129,3 +129,13 @@ def test_rolling_data_told_as_carried_end_in_a_result_or_a_sentence(device_folde
     words = ("--set", "device.motion=carried", "--set", f"processing.orientation={orientation}")
     status, errors, _ = processed(device_folder, *words, "--set", "processing.detector=envelope")
     assert status == 0 or "m long in" in errors[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["\\u0000\\u001b[31m", "line\\nbreak", "../../x", "#set page() *x* $y$ @z <w> `q`", "العربية 😀 ]]>"]
+)
+def test_any_name_can_stand_on_the_report(copied, processed, name):
+    folder = copied(
+        ('name = "retrieval"', f'name = "{name}"'), ("[survey]\nname =", f'[survey]\nclient = "{name}"\nname =')
+    )
+    assert processed(folder)[0] == 0
