@@ -30,6 +30,10 @@ FIELD = re.compile(r"\{[^{}]*\}|%(?:L?[1-9](?!\d)|n\b)")
 
 Key = tuple[str, str]  # context, English text
 
+# Qt's own Turkish calls these keys Kontrol, Üst Karakter, Dönüş, Baş; keyboards sold in Turkey have other names on them.
+# None may be called as Qt calls another one in English: a text such as "Enter" is read as a key in either language
+QT_TEXTS = {("QShortcut", key) for key in ("Ctrl", "Shift", "Return", "Enter", "PgUp", "PgDown", "Home")}
+
 
 class NotTranslatableError(Exception):
     """A text that no translation can reach; the message names file and line."""
@@ -82,7 +86,7 @@ def faults(text: str, turkish: str) -> str:
 
 def collect(root: Path) -> set[Key]:
     """Return every text of the sources below ``root``; raises NotTranslatableError for one that cannot be reached."""
-    found: set[Key] = set()
+    found = set(QT_TEXTS)
     for package in SOURCES:
         for path in sorted((root / package).rglob("*.py")):
             tree = ast.parse(path.read_text(encoding="utf-8"))

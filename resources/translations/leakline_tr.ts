@@ -427,7 +427,7 @@
     </message>
     <message>
         <source>Score</source>
-        <translation>Olasılık</translation>
+        <translation>Puan</translation>
     </message>
     <message>
         <source>The true place is within this with 95 % probability</source>
@@ -462,11 +462,11 @@
     <name>CandidateTable</name>
     <message>
         <source>Best score first</source>
-        <translation>Olasılığa göre</translation>
+        <translation>Puana göre</translation>
     </message>
     <message>
         <source>From the launch on</source>
-        <translation>Bırakma noktasından</translation>
+        <translation>Hat metresine göre</translation>
     </message>
     <message>
         <source>Leak candidates</source>
@@ -915,7 +915,7 @@
     </message>
     <message>
         <source>turn rate</source>
-        <translation>dönme hızı</translation>
+        <translation>dönme</translation>
     </message>
     <message>
         <source>°/s</source>
@@ -1148,6 +1148,37 @@
     <message>
         <source>m</source>
         <translation>m</translation>
+    </message>
+</context>
+<context>
+    <name>QShortcut</name>
+    <message>
+        <source>Ctrl</source>
+        <translation>Ctrl</translation>
+    </message>
+    <message>
+        <source>Enter</source>
+        <translation>Sayısal Enter</translation>
+    </message>
+    <message>
+        <source>Home</source>
+        <translation>Home</translation>
+    </message>
+    <message>
+        <source>PgDown</source>
+        <translation>PgDn</translation>
+    </message>
+    <message>
+        <source>PgUp</source>
+        <translation>PgUp</translation>
+    </message>
+    <message>
+        <source>Return</source>
+        <translation>Enter ↵</translation>
+    </message>
+    <message>
+        <source>Shift</source>
+        <translation>Shift</translation>
     </message>
 </context>
 <context>
