@@ -169,6 +169,13 @@ class DetectorSettings:
     min_score: float = tunable(0.2, "", 0.0, 1.0, "93 % of leaks at two false ones a kilometre (acoustics §5.2)")
     max_candidates: float = tunable(200.0, "", 1.0, 10000.0, "more than anybody reviews in a day")
     metres_from_m: float = tunable(100.0, "m", 30.0, 5000.0, "auto: shorter runs give metre statistics too few metres")
+    metres_alone_from_m: float = tunable(
+        300.0,
+        "m",
+        30.0,
+        5000.0,
+        "auto: on shorter runs a strong leak bends the bands' statistics, so loud peaks count too",
+    )
     rolling_phase: str = choice("on", ("on", "off"), "weigh the quiet half of each turn more (acoustics §5.1 step 2)")
     envelope_smooth_s: float = tunable(4.0, "s", 0.2, 60.0, "best of the envelope finder (acoustics §5.2)")
     envelope_background_s: float = tunable(

@@ -12,6 +12,7 @@ from processing.settings import DetectorSettings
 from processing.sound.cells import CELL_M, Cells, Frames, band_log_power, cells_of, frames_of
 from processing.sound.envelope import find_by_envelope
 from processing.sound.level_along import LevelAlong, level_along
+from processing.sound.loud import find_in_metres_or_loud
 from processing.sound.metres import find_in_metres
 from processing.sound.rolling_noise import RollingNoise, listened_bands, rolling_noise, turned_angle
 from processing.sound.scan import SoundScan
@@ -36,6 +37,7 @@ __all__ = ["DETECTORS", "Heard", "LevelAlong", "find_candidates"]
 DETECTORS: Mapping[str, Callable[[Listening], list[Spot]]] = {
     "envelope": find_by_envelope,
     "metres": find_in_metres,
+    "metres_or_loud": find_in_metres_or_loud,
 }
 
 _METRES_AT_LEAST_M = 15.0  # below it there are not enough cells for the statistics of the bands
@@ -145,7 +147,9 @@ def _method(
     if wanted != "auto":
         return wanted, ()
     if length_m >= settings.metres_from_m:
-        return "metres", (Finding("detector_metres", Severity.INFO, params),)
+        return "metres" if length_m > settings.metres_alone_from_m else "metres_or_loud", (
+            Finding("detector_metres", Severity.INFO, params),
+        )
     return "envelope", (Finding("detector_envelope", Severity.INFO, params),)
 
 
