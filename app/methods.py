@@ -5,10 +5,10 @@ def methods() -> dict[str, tuple[str, ...]]:
     """Return the names of each step's methods, ``auto`` first."""
     from processing.orientation.registry import ESTIMATORS
     from processing.position.registry import METHODS
-    from processing.sound.candidates import DETECTORS
+    from processing.sound.detector_names import DETECTOR_NAMES
 
     return {
         "orientation": ("auto", *(row.name for row in ESTIMATORS)),
         "position": ("auto", *METHODS),
-        "detector": ("auto", *DETECTORS),
+        "detector": ("auto", *DETECTOR_NAMES),
     }

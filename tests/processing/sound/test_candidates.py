@@ -277,3 +277,10 @@ def test_a_leak_laid_over_a_real_pipe_is_placed_within_centimetres(tmp_path, sha
     found = find_candidates(listened, ClockMap(), track, survey, replace(SETTINGS, min_score=0.0)).candidates
     assert found[0].chainage_m == pytest.approx(17.35, abs=0.1)
     assert found[0].chainage_low95_m <= 17.35 <= found[0].chainage_high95_m
+
+
+def test_the_names_that_a_form_offers_are_the_detectors_table():
+    from processing.sound.candidates import DETECTORS
+    from processing.sound.detector_names import DETECTOR_NAMES
+
+    assert tuple(DETECTORS) == DETECTOR_NAMES

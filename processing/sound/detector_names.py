@@ -1,0 +1,3 @@
+"""The detectors' names, apart from their code, so that a form can offer them without loading the signal processing."""
+
+DETECTOR_NAMES = ("envelope", "metres", "metres_or_loud")  # a row each in processing.sound.candidates.DETECTORS
