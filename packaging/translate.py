@@ -30,7 +30,7 @@ FIELD = re.compile(r"\{[^{}]*\}|%(?:L?[1-9](?!\d)|n\b)")
 
 Key = tuple[str, str]  # context, English text
 
-# Qt's own Turkish calls these keys Kontrol, Üst Karakter, Dönüş, Baş; keyboards sold in Turkey have other names on them.
+# Qt's own Turkish calls these keys Kontrol, Üst Karakter, Dönüş, Baş; keyboards sold in Turkey bear other names.
 # None may be called as Qt calls another one in English: a text such as "Enter" is read as a key in either language
 QT_TEXTS = {("QShortcut", key) for key in ("Ctrl", "Shift", "Return", "Enter", "PgUp", "PgDown", "Home")}
 
