@@ -17,6 +17,7 @@ from processing.reporting.exports import write_exports
 from processing.results import Results
 from processing.settings import Settings
 from processing.storage.cache import Cache
+from processing.storage.carrying import partners
 from processing.storage.folder import SurveyFolder, is_survey_folder
 from processing.storage.review import ReviewStore
 from processing.survey import Decision, Survey
@@ -79,11 +80,24 @@ def _process_project(path: Path, out: Path, overrides: list[str], language: str,
 
 
 def reviewed(results: Results, review: ReviewStore) -> tuple[Results, Mapping[int, Decision]]:
-    """Return the results with the candidates as stored, and the decisions on them; bare ones before a review."""
+    """Return the results with the stored candidates, and the decisions on them; bare ones before a review.
+
+    Where the results are of other settings than the review, decisions are carried over by place and time as a new run
+    would; what was decided or marked and is not found again stays in the list, under a number of its own.
+    """
     run = review.latest_run()
-    if run is None or run.settings_hash != results.run_hash:
+    if run is None:
         return results, {}
-    return replace(results, candidates=review.candidates(run)), review.decisions(run)
+    stored, decisions = review.candidates(run), review.decisions(run)
+    if run.settings_hash == results.run_hash:
+        return replace(results, candidates=stored), decisions
+    found = partners(stored, results.candidates)
+    lost = [c for c in stored if c.id not in found and (c.id in decisions or c.id in review.manual_ids(run))]
+    first = max((c.id for c in results.candidates), default=0) + 1
+    found |= {candidate.id: number for number, candidate in enumerate(lost, first)}
+    kept = tuple(replace(candidate, id=found[candidate.id]) for candidate in lost)
+    carried = {found[number]: decision for number, decision in decisions.items() if number in found}
+    return replace(results, candidates=results.candidates + kept), carried
 
 
 def _overridden(survey: Survey, settings: Settings, overrides: list[str]) -> tuple[Survey, Settings]:

@@ -22,6 +22,7 @@ _SEMI_MAJOR_M = 6378137.0
 _FLATTENING = 1.0 / 298.257223563
 _ECCENTRICITY2 = _FLATTENING * (2.0 - _FLATTENING)
 
+_WGS84 = "EPSG:4326"
 _EPSG = re.compile(r"(?:EPSG:)?(\d{4,6})", re.IGNORECASE)
 
 
@@ -71,7 +72,7 @@ class LocalFrame:
         return local
 
     def to_grid(self, points_w_m: npt.ArrayLike, crs: str) -> FloatArray:
-        """Return east, north, elevation (n, 3) in ``crs`` (its own units) of local places (n, 3).
+        """Return east, north, elevation (n, 3), metres in ``crs``, of local places (n, 3).
 
         ``local`` gives the survey's local grid, in which the launch keeps its own east and north.
 
@@ -83,7 +84,7 @@ class LocalFrame:
             east, north = self.grid_origin if is_local(self.grid) else (0.0, 0.0)
             return np.asarray(points + np.array([east, north, 0.0]))
         geographic = self.to_geographic(points)
-        x, y = _transform("EPSG:4326", crs, geographic[:, 1], geographic[:, 0])
+        x, y = _from_degrees(crs, geographic[:, 1], geographic[:, 0])
         return np.column_stack([x, y, geographic[:, 2]])
 
     def from_grid(self, points: npt.ArrayLike, crs: str) -> FloatArray:
@@ -92,7 +93,7 @@ class LocalFrame:
         if is_local(crs):
             east, north = self.grid_origin if is_local(self.grid) else (0.0, 0.0)
             return np.asarray(places - np.array([east, north, 0.0]))
-        longitude, latitude = _transform(crs, "EPSG:4326", places[:, 0], places[:, 1])
+        longitude, latitude = _to_degrees(crs, places[:, 0], places[:, 1])
         return self.from_geographic(np.column_stack([latitude, longitude, places[:, 2]]))
 
     def _origin(self) -> tuple[float, float]:
@@ -179,7 +180,10 @@ def is_local(crs: str | None) -> bool:
 
 
 def crs_code(crs: str) -> str:
-    """Return ``EPSG:n`` for a code that PROJ knows; raises LeaklineError CRS_UNKNOWN for any other text."""
+    """Return ``EPSG:n`` for a map projection that PROJ knows; raises LeaklineError CRS_UNKNOWN for any other text.
+
+    Systems of degrees, heights or earth-centred coordinates have no east and north in metres and are refused.
+    """
     from pyproj import CRS
     from pyproj.exceptions import CRSError
 
@@ -187,15 +191,20 @@ def crs_code(crs: str) -> str:
     if found is None:
         raise LeaklineError(ErrorCode.CRS_UNKNOWN, crs=crs)
     try:
-        CRS.from_epsg(int(found.group(1)))
+        known = CRS.from_epsg(int(found.group(1)))
     except CRSError:
         raise LeaklineError(ErrorCode.CRS_UNKNOWN, crs=crs) from None
+    if not known.is_projected:
+        raise LeaklineError(ErrorCode.CRS_UNKNOWN, crs=crs)
     return f"EPSG:{found.group(1)}"
 
 
 def _at_grid_point(crs: str, point: tuple[float, float], height_m: float) -> LocalFrame:
-    longitude, latitude = _transform(crs, "EPSG:4326", np.array([point[0]]), np.array([point[1]]))
+    longitude, latitude = _to_degrees(crs, np.array([point[0]]), np.array([point[1]]))
     _check_degrees(float(latitude[0]), float(longitude[0]))
+    back = np.ravel(_from_degrees(crs, longitude, latitude))
+    if not np.allclose(back, point, atol=1.0):  # far outside of its zone a projection gives places that are none
+        raise LeaklineError(ErrorCode.LAUNCH_INVALID, latitude=float(latitude[0]), longitude=float(longitude[0]))
     return LocalFrame(float(latitude[0]), float(longitude[0]), height_m, crs, point)
 
 
@@ -204,12 +213,26 @@ def _check_degrees(latitude: float, longitude: float) -> None:
         raise LeaklineError(ErrorCode.LAUNCH_INVALID, latitude=latitude, longitude=longitude)
 
 
-def _transform(source: str, target: str, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    from pyproj import Transformer
+def _to_degrees(crs: str, east_m: FloatArray, north_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return longitude and latitude of places in ``crs``; in a system of feet too, ours are metres."""
+    from pyproj import CRS, Transformer
 
-    transformer = Transformer.from_crs(crs_code(source), crs_code(target), always_xy=True)
-    new_x, new_y = transformer.transform(x, y)
-    return np.asarray(new_x, dtype=np.float64), np.asarray(new_y, dtype=np.float64)
+    grid = CRS.from_user_input(crs_code(crs))
+    metres = grid.axis_info[0].unit_conversion_factor
+    longitude, latitude = Transformer.from_crs(grid, _WGS84, always_xy=True).transform(
+        east_m / metres, north_m / metres
+    )
+    return np.asarray(longitude, dtype=np.float64), np.asarray(latitude, dtype=np.float64)
+
+
+def _from_degrees(crs: str, longitude: FloatArray, latitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return east and north (m) in ``crs``; the inverse of :func:`_to_degrees`."""
+    from pyproj import CRS, Transformer
+
+    grid = CRS.from_user_input(crs_code(crs))
+    metres = grid.axis_info[0].unit_conversion_factor
+    east, north = Transformer.from_crs(_WGS84, grid, always_xy=True).transform(longitude, latitude)
+    return np.asarray(east, dtype=np.float64) * metres, np.asarray(north, dtype=np.float64) * metres
 
 
 def _rows(points: npt.ArrayLike) -> FloatArray:

@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
 from processing.clock import align
 from processing.errors import ErrorCode, LeaklineError
 from processing.importing.folder import ImportOptions, import_folder
@@ -130,6 +132,7 @@ def process(
     stretches = {
         *known_bad,
         *_never_heard(track, audio),
+        *_never_placed(track, sound),
         *heard.not_assessed,
         *(sound.scan.stretches(sound.clock) if sound is not None else ()),
     }
@@ -146,7 +149,7 @@ def process(
         candidates=heard.candidates,
         findings=(*findings, *heard.findings),
         not_assessed=tuple(sorted(stretches, key=lambda s: (s.start_s, s.end_s, s.reason))),
-        run_hash=digest(steps.keys, settings, survey),
+        run_hash=digest(steps.keys),
         timings=steps.timings,
     )
 
@@ -225,6 +228,14 @@ def _never_heard(track: Track | None, audio: AudioSource | None) -> tuple[Stretc
     if track is None or audio is not None:
         return ()
     return (Stretch(float(track.time_s[0]), float(track.time_s[-1]), Channel.SOUND, "no_sound"),)
+
+
+def _never_placed(track: Track | None, sound: "_Sound | None") -> tuple[Stretch, ...]:
+    """Return the whole recording as a stretch where there is no motion: what is heard then has no place."""
+    if track is not None or sound is None:
+        return ()
+    start, end = (float(t) for t in sound.clock.to_survey(np.array([0.0, sound.source.duration_s])))
+    return (Stretch(start, end, Channel.PATH, "no_motion"),)
 
 
 def _check_speed(track: Track) -> None:

@@ -34,10 +34,11 @@ def hold_down(
     held = list(ties)
     if len(ties) < 2:
         return ties
+    limits = {size: _limit(size, settings) for size in {len(tie.value) for tie in ties}}
     for _ in range(2 * len(ties)):
         solution = solve(tuple(held))
         misses = [left_out(solution, k) for k in range(len(held))]
-        excess = np.array([m.squared / _limit(len(held[k].value), settings) for k, m in enumerate(misses)])
+        excess = np.array([m.squared / limits[len(held[k].value)] for k, m in enumerate(misses)])
         if excess.max() <= 1.0 + 1e-6:
             break
         for k in np.flatnonzero(excess >= 0.9 * excess.max()):

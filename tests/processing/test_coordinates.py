@@ -131,3 +131,23 @@ def test_grid_coordinates_far_off_the_grid_are_refused():
     with pytest.raises(LeaklineError) as error:
         local_frame(Launch(east_m=1e12, north_m=1e12, crs="EPSG:5254"))
     assert error.value.code is ErrorCode.LAUNCH_INVALID
+
+
+@pytest.mark.parametrize("crs", ["EPSG:4326", "EPSG:4978", "EPSG:5773"])
+def test_a_system_without_east_and_north_in_metres_is_refused(crs):
+    with pytest.raises(LeaklineError) as caught:
+        local_frame(Launch(east_m=29.1, north_m=40.9, crs=crs))
+    assert caught.value.code is ErrorCode.CRS_UNKNOWN
+
+
+def test_in_a_system_of_feet_our_numbers_are_metres():
+    """New York's EPSG:2263 counts US survey feet of 1200/3937 m; its false easting is 300 000 m."""
+    frame = local_frame(Launch(east_m=300_000.0, north_m=60_000.0, crs="EPSG:2263"))
+    assert frame.longitude == pytest.approx(-74.0, abs=1e-6)  # the central meridian
+    hundred_metres = frame.to_grid([[100.0, 0.0, 0.0]], "EPSG:2263")[0]
+    assert hundred_metres[0] == pytest.approx(300_100.0, abs=0.05)
+
+
+def test_a_place_that_the_projection_cannot_hold_is_refused():
+    with pytest.raises(LeaklineError):
+        local_frame(Launch(east_m=500_000.0, north_m=9.99e7, crs="EPSG:32635"))
