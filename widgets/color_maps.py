@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
+import pyqtgraph as pg
 
 _ANCHORS: Mapping[str, str] = {
     "viridis": "440154 481769 472a7a 433d84 3d4e8a 355e8d 2e6d8e 297b8e 23898e 1f978b 21a585 2eb37c 46c06f 65cb5e "
@@ -21,12 +22,15 @@ _ANCHORS: Mapping[str, str] = {
 COLOR_MAPS = tuple(_ANCHORS)
 
 
+def color_map(name: str) -> pg.ColorMap:
+    """Return a colour map, quiet to loud; ``grey`` runs from white to black."""
+    return pg.ColorMap(None, [f"#{anchor}" for anchor in _ANCHORS[name].split()], name=name)
+
+
 def color_table(name: str) -> npt.NDArray[np.uint8]:
-    """Return the (256, 3) red, green and blue of a colour map, quiet to loud; ``grey`` runs from white to black."""
-    anchors = np.array([list(bytes.fromhex(h)) for h in _ANCHORS[name].split()], dtype=np.float64)
-    places = np.linspace(0.0, 255.0, len(anchors))
-    columns = [np.interp(np.arange(256), places, anchors[:, k]) for k in range(3)]
-    return np.rint(np.stack(columns, axis=1)).astype(np.uint8)
+    """Return the (256, 3) red, green and blue of a colour map."""
+    parts = color_map(name).getLookupTable(nPts=256, alpha=False, mode="float")
+    return np.rint(255.0 * np.asarray(parts)).astype(np.uint8)
 
 
 def level_color_index(level_db: npt.ArrayLike, low_db: float, high_db: float) -> npt.NDArray[np.uint8]:

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from processing.survey import FloatArray
 from widgets.envelope import EnvelopePyramid, joined
 from widgets.linked_plot import LinkedPlot
-from widgets.plot_paint import paint_columns, paint_y_axis
+from widgets.plot_canvas import ColumnsItem
 from widgets.plot_scale import Scale, number_text, tick_digits
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_axis import AxisMode
@@ -75,15 +75,32 @@ class CurvePlot(LinkedPlot):
     def _set_whole(self, low: float, high: float) -> None:
         self._whole_scale = self._scale = Scale(low, high)
 
-    def _paint_axis(self, painter: QPainter, rect: QRectF, label: str) -> None:
-        paint_y_axis(painter, rect, self._scale, self._theme, label, self._tick_text, self._axis_left())
+    def _new_curve(self) -> ColumnsItem:
+        item = ColumnsItem()
+        self._plot.addItem(item, ignoreBounds=True)
+        return item
+
+    def _show_scale(self, scale: Scale | None, name: str = "") -> None:
+        """Let the vertical axis have this scale; None leaves it empty."""
+        self._value_axis.show_scale(scale, name, self._tick_text, self._axis_left())
+        self._plot.vb.setRange(yRange=self.y_range, padding=0.0)
 
     def _tick_text(self, value: float, step: float) -> str:
         return number_text(value, tick_digits(step), self.locale())
 
-    def _paint_curve(self, painter: QPainter, rect: QRectF, curve: Curve, colour: str, width: float = 1.0) -> None:
-        low, high = joined(*curve.columns(self._cursor, self.columns()))
-        paint_columns(painter, rect, low, high, self._scale, QColor(colour), width * self._theme.line_width)
+    def _show_curve(self, item: ColumnsItem, curve: Curve | None, colour: str, width: float = 1.0) -> None:
+        if curve is None:
+            item.hide()
+        else:
+            low, high = joined(*curve.columns(self._cursor, self.columns()))
+            self._show_columns(item, low, high, QColor(colour), width * self._theme.line_width)
+
+    def _show_columns(
+        self, item: ColumnsItem, low: FloatArray, high: FloatArray, colour: QColor, width: float = 0.0
+    ) -> None:
+        ratio = self.devicePixelRatioF()
+        rows = round(self.plot_rect().height() * ratio)
+        item.show_columns(low, high, self.x_span(), self._scale, rows, colour, width * ratio)
 
     def _paint_value(self, painter: QPainter, rect: QRectF, row: int, text: str, colour: str) -> None:
         height = self._theme.metrics().height()

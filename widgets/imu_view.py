@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Signal
 from PySide6.QtGui import QColor, QPainter
 from PySide6.QtWidgets import QWidget
@@ -14,13 +15,17 @@ from processing.survey import Channel, FloatArray, ImuSamples, Track
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid, joined
 from widgets.latest_loader import LatestLoader
+from widgets.plot_axes import ValueAxis
+from widgets.plot_canvas import ColumnsItem
+from widgets.plot_frame import view_box
 from widgets.plot_marks import Readout
-from widgets.plot_paint import paint_columns, paint_y_axis
 from widgets.plot_scale import Scale
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
 SHOWN_PART = 0.999
+MOST_STRIPS = 3
+MOST_CURVES = 3
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,31 @@ def build_signals(imu: ImuSamples, track: Track | None) -> Signals:
     )
 
 
+class StripBox:
+    """One strip's place in a plot: a vertical axis, and a view box with up to three curves."""
+
+    def __init__(self, plot: pg.PlotItem, theme: Theme) -> None:
+        self.axis, self.box = ValueAxis(theme), view_box()
+        self.items = tuple(ColumnsItem() for _ in range(MOST_CURVES))
+        for part in (self.axis, self.box):
+            part.setParentItem(plot)
+        for item in self.items:
+            self.box.addItem(item, ignoreBounds=True)
+
+    def place(self, room: QRectF, theme: Theme, axis_room: QRectF) -> None:
+        """Stand in ``room``, with the axis left of it; its labels may fill ``axis_room``."""
+        self.box.setGeometry(room)
+        self.axis.apply_theme(theme)
+        self.axis.setWidth(room.left())
+        self.axis.setGeometry(QRectF(0.0, room.top(), room.left(), room.height()))
+        self.axis.set_room(axis_room.translated(0.0, -room.top()))
+
+    def show(self, visible: bool) -> None:
+        """Show or hide the strip."""
+        self.axis.setVisible(visible)
+        self.box.setVisible(visible)
+
+
 @dataclass(frozen=True)
 class Strip:
     """One strip: its name, unit, curves with their colours, and its vertical axis."""
@@ -81,6 +111,7 @@ class ImuView(CurvePlot):
         self._signals: Signals | None = None
         self._strips: tuple[Strip, ...] = ()
         self._axes = False
+        self._boxes: tuple[StripBox, ...] = tuple(StripBox(self._plot, theme) for _ in range(MOST_STRIPS))
         self._loader = LatestLoader(self)
         self._loader.loaded.connect(self._take)
 
@@ -131,18 +162,37 @@ class ImuView(CurvePlot):
         self._strips = tuple(strips)
         self.invalidate()
 
+    def _show_data(self) -> None:
+        self._show_scale(None)
+        rooms = self.strip_rects()
+        for number, box in enumerate(self._boxes):
+            box.show(number < len(rooms))
+            if number < len(rooms):
+                self._show_strip(box, self._strips[number], rooms[number])
+
+    def _show_strip(self, box: StripBox, strip: Strip, room: QRectF) -> None:
+        label = strip.name if room.height() > 5 * self._theme.metrics().height() else ""
+        box.axis.show_scale(strip.scale, label, self._tick_text, self._axis_left())
+        box.place(room, self._theme, QRectF(self.rect()))
+        box.box.setRange(xRange=self.x_span(), yRange=(strip.scale.low, strip.scale.high), padding=0.0)
+        ratio, width = self.devicePixelRatioF(), 0.8 * self._theme.line_width
+        rows = round(room.height() * ratio)
+        for item in box.items[len(strip.curves) :]:
+            item.hide()
+        for item, (curve, colour) in zip(box.items, strip.curves, strict=False):
+            low, high = joined(*curve.columns(self._cursor, self.columns()))
+            item.show_columns(low, high, self.x_span(), strip.scale, rows, QColor(colour), width * ratio)
+
+    def _value_axes(self, rect: QRectF) -> list[tuple[QRectF, ValueAxis]]:
+        del rect
+        return [(room, box.axis) for room, box in zip(self.strip_rects(), self._boxes, strict=False)]
+
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if not self._strips:
             self._paint_hint(painter, rect, self.tr("Reading …") if self._loader.busy else self.tr("No motion data"))
             return
-        count, left = self.columns(), self._axis_left()
-        for strip, room in zip(self._strips, self.strip_rects(), strict=True):
-            label = strip.name if room.height() > 5 * self._theme.metrics().height() else ""
-            paint_y_axis(painter, room, strip.scale, self._theme, label, self._tick_text, left)
-            for curve, colour in strip.curves:
-                low, high = joined(*curve.columns(self._cursor, count))
-                paint_columns(painter, room, low, high, strip.scale, QColor(colour), 0.8 * self._theme.line_width)
-            painter.setPen(QColor(self._theme.text))
+        painter.setPen(QColor(self._theme.text))
+        for room in self.strip_rects():
             painter.drawLine(room.bottomLeft() + QPointF(0, 1), room.bottomRight() + QPointF(0, 1))
 
     def _paint_values(self, painter: QPainter, rect: QRectF) -> None:

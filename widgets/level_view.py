@@ -43,6 +43,7 @@ class LevelView(CurvePlot):
         self._level: Curve | None = None
         self._background: Curve | None = None
         self._threshold: Curve | None = None
+        self._background_item, self._threshold_item, self._level_item = (self._new_curve() for _ in range(3))
 
     def set_levels(self, curves: LevelCurves | None) -> None:
         """Show these levels; None shows none."""
@@ -59,16 +60,16 @@ class LevelView(CurvePlot):
             self._set_whole(low, high + 0.12 * (high - low))
         self.invalidate()
 
+    def _show_data(self) -> None:
+        self._show_scale(self._scale if self._level is not None else None, self.tr("dB"))
+        self._show_curve(self._background_item, self._background, self._theme.curve_third)
+        self._show_curve(self._threshold_item, self._threshold, self._theme.curve_second)
+        self._show_curve(self._level_item, self._level, self._theme.curve)
+
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._level is None:
             self._paint_hint(painter, rect, self.tr("No level yet"))
             return
-        self._paint_axis(painter, rect, self.tr("dB"))
-        if self._background is not None:
-            self._paint_curve(painter, rect, self._background, self._theme.curve_third)
-        if self._threshold is not None:
-            self._paint_curve(painter, rect, self._threshold, self._theme.curve_second)
-        self._paint_curve(painter, rect, self._level, self._theme.curve)
         self._paint_stems(painter, rect)
         names = (
             (self._level, self.tr("level"), self._theme.curve),

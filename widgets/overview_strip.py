@@ -10,7 +10,6 @@ from processing.survey import FloatArray
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid, joined
 from widgets.linked_plot import Drag
-from widgets.plot_paint import paint_columns
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
@@ -27,9 +26,10 @@ class OverviewStrip(CurvePlot):
         super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
         self.setAccessibleName(self.tr("Overview of the whole run"))
         self._curves: tuple[Curve, Curve] | None = None
-        # a new range only moves the window: the pixmap stays good
+        self._item = self._new_curve()
+        # a new range only moves the window: what is drawn stays good
         cursor.range_changed.disconnect(self.invalidate)
-        cursor.range_changed.connect(self.update)
+        cursor.range_changed.connect(self.refresh)
 
     def set_envelope(self, time_s: FloatArray, low: FloatArray, high: FloatArray) -> None:
         """Show the whole run as minima and maxima (n,) at survey seconds ``time_s`` (n,); empty shows none."""
@@ -61,12 +61,15 @@ class OverviewStrip(CurvePlot):
         """Prefer a low strip."""
         return QSize(640, round(4.5 * self._theme.metrics().height()))
 
-    def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
-        if self._curves is not None:
-            count = self.columns()
-            low = self._curves[0].columns(self._cursor, count, whole=True)[0]
-            high = self._curves[1].columns(self._cursor, count, whole=True)[1]
-            paint_columns(painter, rect, *joined(low, high), self._scale, QColor(self._theme.curve), 1.0)
+    def _show_data(self) -> None:
+        self._show_scale(None)
+        if self._curves is None:
+            self._item.hide()
+            return
+        count = self.columns()
+        low = self._curves[0].columns(self._cursor, count, whole=True)[0]
+        high = self._curves[1].columns(self._cursor, count, whole=True)[1]
+        self._show_columns(self._item, *joined(low, high), QColor(self._theme.curve), 1.0)
 
     def _paint_over(self, painter: QPainter) -> None:
         rect, window = self.plot_rect(), self.window_rect()

@@ -1,21 +1,24 @@
 """The frame that all stacked plots share: common axis, cursor line, candidates and hatched stretches.
 
-A plot is painted once into a pixmap; a moving cursor only lays that pixmap down again under its line. Subclasses paint
-their data and their vertical axes.
+A plot is a pyqtgraph plot item whose ranges follow the common cursor; pyqtgraph takes no mouse. Axes, grid and marks
+are drawn once and replayed, so a moving cursor only lays them down again under its line. Subclasses show their data.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 
+import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QFocusEvent, QPainter, QPaintEvent, QPen, QPixmap, QResizeEvent
+from PySide6.QtGui import QColor, QFocusEvent, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Channel, Decision, Stretch
-from widgets.plot_marks import Marks, report_paint_error
+from widgets.plot_axes import CommonAxis, ValueAxis
+from widgets.plot_canvas import PaintedItem, PlotCanvas
+from widgets.plot_marks import Marks
 from widgets.plot_paint import paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
-from widgets.time_axis import AxisMode, x_text, x_ticks
+from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
 
 
@@ -31,18 +34,29 @@ class PlotFrame(QWidget):
         self._marks = Marks()
         self._not_assessed: tuple[Stretch, ...] = ()
         self._channel: Channel | None = None  # which stretches concern this plot; None: all
-        self._pixmap = QPixmap()
         self._stale = True
         self._rect: QRectF | None = None
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor_x = math.nan
+        self._canvas = PlotCanvas(self, self._prepare)
+        self._common_axis, self._value_axis = CommonAxis(theme), ValueAxis(theme)
+        self._plot = pg.PlotItem(
+            viewBox=view_box(),
+            axisItems={"left": self._value_axis, "bottom": self._common_axis},
+            enableMenu=False,
+        )
+        self._plot.hideButtons()
+        self._canvas.setCentralItem(self._plot)
+        # the view box with the data stands at −100: between the ground and the details
+        self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, kept=True)
+        self._details = PaintedItem(self._plot, self._paint_details, 10.0, kept=True)
+        self._over = PaintedItem(self._plot, self._paint_over, 20.0, kept=False)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         cursor.moved.connect(self._follow_cursor)
         cursor.range_changed.connect(self.invalidate)
         cursor.axis_changed.connect(self.invalidate)
-        cursor.selection_changed.connect(self.update)
+        cursor.selection_changed.connect(self.refresh)
 
     # --- what it is told ----------------------------------------------------------------------------------------
 
@@ -150,86 +164,82 @@ class PlotFrame(QWidget):
             return None
         return QPointF(x, rect.top() + self.mark_radius() + 3)
 
-    # --- what subclasses paint ----------------------------------------------------------------------------------
+    # --- what subclasses show -----------------------------------------------------------------------------------
+
+    def _show_data(self) -> None:
+        """Bring the items of the plot, its vertical axis and range up to date."""
+
+    def _value_axes(self, rect: QRectF) -> list[tuple[QRectF, ValueAxis]]:
+        """Return the vertical axes whose ticks shall have grid lines, each with its part of the plot."""
+        return [(rect, self._value_axis)]
 
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
-        """Paint grid, vertical axis and data."""
-        raise NotImplementedError
+        """Paint what lies over the curves: names, hints, known places; called when something has changed."""
 
     def _paint_values(self, painter: QPainter, rect: QRectF) -> None:
         """Write into ``rect``, right of the plot, what the data are at the cursor; called at every move."""
 
-    # --- painting -----------------------------------------------------------------------------------------------
+    # --- bringing up to date ------------------------------------------------------------------------------------
 
     def invalidate(self) -> None:
-        """Have everything painted anew."""
+        """Have everything brought up to date and painted anew."""
         self._stale = True
-        self.update()
+        self.refresh()
 
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Lay down the pixmap, made anew if it is stale, and the cursor over it."""
-        painter = QPainter()
-        try:
-            if self._stale:
-                self._paint_pixmap()
-            painter.begin(self)
-            ratio = self._pixmap.devicePixelRatioF()
-            area = event.rect()
-            source = QRectF(area.x() * ratio, area.y() * ratio, area.width() * ratio, area.height() * ratio)
-            painter.drawPixmap(QRectF(area), self._pixmap, source)
-            self._paint_over(painter)
-        except Exception:  # noqa: BLE001  # handed on
-            report_paint_error()
-        finally:
-            if painter.isActive():
-                painter.end()
+    def refresh(self) -> None:
+        """Lay down again what is there, and the cursor over it."""
+        self._canvas.viewport().update()
 
-    def _paint_pixmap(self) -> None:
-        ratio = self.devicePixelRatioF()
-        self._pixmap = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
-        self._pixmap.setDevicePixelRatio(ratio)
+    def _prepare(self) -> None:
+        if not self._stale:
+            return
         self._stale = False
-        painter = QPainter(self._pixmap)
-        try:
-            rect = self.plot_rect()
-            painter.fillRect(self.rect(), QColor(self._theme.background))
-            painter.fillRect(rect, QColor(self._theme.canvas))
-            painter.setFont(self._theme.font())
-            self._paint_x_axis(painter, rect)
-            self._paint_data(painter, rect)
-            self._paint_not_assessed(painter, rect)
-            self._paint_marks(painter, rect)
-            painter.setPen(QPen(QColor(self._theme.text), 1))
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawRect(rect)
-        finally:
-            painter.end()
+        rect, whole = self.plot_rect(), QRectF(self.rect())
+        self._lay_out(rect)
+        self._plot.vb.setRange(xRange=self.x_span(), padding=0.0)
+        name = self.tr("m") if self._cursor.axis_mode is AxisMode.DISTANCE else self.tr("time")
+        self._common_axis.show_unit(self._cursor.axis_mode, name, self.locale())
+        self._show_data()
+        self._value_axis.set_room(whole.translated(0.0, -rect.top()))
+        self._common_axis.set_room(whole.translated(-rect.left(), -rect.bottom()))
+        for item in (self._ground, self._details, self._over):
+            item.renew(whole)
 
-    def _paint_x_axis(self, painter: QPainter, rect: QRectF) -> None:
-        metrics, mode = self._theme.metrics(), self._cursor.axis_mode
-        low, high = self.x_span()
-        locale = self.locale()
-        widest = max(metrics.horizontalAdvance(x_text(v, (high - low) / 10, mode, locale)) for v in (low, high))
-        ticks, step = x_ticks(low, high, mode, max(2, int(rect.width() / (1.6 * widest + 8))))
-        for value in ticks:
+    def _lay_out(self, rect: QRectF) -> None:
+        """Let the view box stand exactly in ``rect``."""
+        for axis in (self._value_axis, self._common_axis):
+            axis.apply_theme(self._theme)
+        below = self.height() - rect.bottom()
+        self._plot.showAxis("bottom", self._show_x_axis)
+        self._value_axis.setWidth(rect.left())
+        self._common_axis.setHeight(below)
+        right = max(0.0, self.width() - rect.right())
+        self._plot.layout.setContentsMargins(0.0, rect.top(), right, 0.0 if self._show_x_axis else max(0.0, below))
+        self._plot.layout.activate()
+
+    # --- painting -----------------------------------------------------------------------------------------------
+
+    def _paint_ground(self, painter: QPainter) -> None:
+        rect = self.plot_rect()
+        painter.fillRect(self.rect(), QColor(self._theme.background))
+        painter.fillRect(rect, QColor(self._theme.canvas))
+        painter.setPen(QPen(QColor(self._theme.grid), 1))
+        for value in self._common_axis.ticks(rect.width())[0]:
             x = self.pixel_of_x(value)
-            painter.setPen(QPen(QColor(self._theme.grid), 1))
             painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
-            if not self._show_x_axis:
-                continue
-            painter.setPen(QColor(self._theme.text))
-            painter.drawLine(QPointF(x, rect.bottom()), QPointF(x, rect.bottom() + 4))
-            label = x_text(value, step, mode, locale)
-            # the last one gives way to the name of the axis
-            half = 0.5 * metrics.horizontalAdvance(label)
-            middle = min(x, rect.right() + 2 - half)
-            box = QRectF(middle - widest, rect.bottom() + 4, 2 * widest, metrics.height())
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, label)
-        if self._show_x_axis:
-            name = self.tr("m") if mode is AxisMode.DISTANCE else self.tr("time")
-            box = QRectF(rect.right() + 6, rect.bottom() + 4, self.width() - rect.right() - 6, metrics.height())
-            fitted = metrics.elidedText(name, Qt.TextElideMode.ElideRight, box.width())
-            painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, fitted)
+        for room, axis in self._value_axes(rect):
+            for _, y in axis.ticks(room.height()):
+                painter.drawLine(QPointF(room.left(), room.top() + y), QPointF(room.right(), room.top() + y))
+
+    def _paint_details(self, painter: QPainter) -> None:
+        rect = self.plot_rect()
+        painter.setFont(self._theme.font())
+        self._paint_data(painter, rect)
+        self._paint_not_assessed(painter, rect)
+        self._paint_marks(painter, rect)
+        painter.setPen(QPen(QColor(self._theme.text), 1))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(rect)
 
     def _paint_not_assessed(self, painter: QPainter, rect: QRectF) -> None:
         for stretch in self._not_assessed:
@@ -285,8 +295,8 @@ class PlotFrame(QWidget):
         half = math.ceil(self._theme.line_width) + 2
         for x in (self._painted_cursor_x, new):
             if math.isfinite(x) and -half <= x <= self.width() + half:
-                self.update(QRect(math.floor(x) - half, 0, 2 * half + 1, self.height()))
-        self.update(self._value_rect().toAlignedRect())
+                self._canvas.viewport().update(QRect(math.floor(x) - half, 0, 2 * half + 1, self.height()))
+        self._canvas.viewport().update(self._value_rect().toAlignedRect())
 
     # --- what Qt tells ------------------------------------------------------------------------------------------
 
@@ -294,14 +304,23 @@ class PlotFrame(QWidget):
         """Paint for the new size."""
         super().resizeEvent(event)
         self._rect = None
+        self._canvas.setGeometry(self.rect())
         self.invalidate()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Show that keys act here."""
         super().focusInEvent(event)
-        self.update()
+        self.refresh()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Show that keys act elsewhere."""
         super().focusOutEvent(event)
-        self.update()
+        self.refresh()
+
+
+def view_box() -> pg.ViewBox:
+    """Return a view box that shows just the range it is told and leaves the mouse to the widget."""
+    box = pg.ViewBox(enableMouse=False, enableMenu=False, defaultPadding=0.0)
+    box.disableAutoRange()
+    box.setMinimumSize(1.0, 1.0)
+    return box

@@ -1,15 +1,13 @@
-"""Strokes that several plots share: curves as pixel columns, axes, hatching, boxed labels, number tags."""
+"""Strokes that several plots share: how much of each pixel a curve covers, hatching, boxed labels, number tags."""
 
-from collections.abc import Callable, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen
 
 from processing.survey import FloatArray
-from widgets.plot_scale import Scale
 from widgets.plot_theme import Theme
 
 
@@ -32,85 +30,6 @@ def coverage(top: FloatArray, bottom: FloatArray, rows: int) -> tuple[npt.NDArra
     np.clip(part, 0.0, 1.0, out=part)
     part *= 255.0
     return part.astype(np.uint8), first
-
-
-def paint_columns(
-    painter: QPainter,
-    rect: QRectF,
-    low: FloatArray,
-    high: FloatArray,
-    scale: Scale,
-    colour: QColor,
-    thickness: float = 0.0,
-) -> None:
-    """Fill between ``low`` and ``high`` (n values of ``scale``), one pair a device pixel column of ``rect``.
-
-    ``thickness`` pixels are added for a curve; 0 is for bands. NaN leaves a hole.
-    """
-    ratio = painter.device().devicePixelRatioF()
-    rows = round(rect.height() * ratio)
-    if rows < 1 or len(low) == 0:
-        return
-    top = (1.0 - scale.fraction(high)) * rows - 0.5 * thickness * ratio
-    bottom = (1.0 - scale.fraction(low)) * rows + 0.5 * thickness * ratio
-    picture, first = coverage(np.clip(top, -10.0, rows + 10.0), np.clip(bottom, -10.0, rows + 10.0), rows)
-    height, width = picture.shape
-    if height == 0:
-        return
-    image = QImage(picture.data, width, height, width, QImage.Format.Format_Indexed8)
-    image.setColorTable(_shades(colour))
-    painter.drawImage(QRectF(rect.left(), rect.top() + first / ratio, rect.width(), height / ratio), image)
-
-
-def _shades(colour: QColor) -> list[int]:
-    """Return a colour in 256 steps of opacity, 0xaarrggbb."""
-    opacity = np.arange(256, dtype=np.uint32) * np.uint32(colour.alpha()) // np.uint32(255)
-    opaque = np.uint32(colour.rgb() & 0xFFFFFF)
-    shades: list[int] = ((opacity << np.uint32(24)) | opaque).tolist()
-    return shades
-
-
-def paint_y_axis(
-    painter: QPainter,
-    rect: QRectF,
-    scale: Scale,
-    theme: Theme,
-    label: str,
-    text: Callable[[float, float], str],
-    left: float,
-    *,
-    grid: bool = True,
-) -> None:
-    """Draw the grid, the ticks and the name of a vertical axis; the labels stand between ``left`` and the plot.
-
-    ``text`` makes the label of a value from it and the step between ticks. Of a name such as ``elevation (m)`` only the
-    unit is written where there is no room for more.
-    """
-    metrics = theme.metrics()
-    ticks = scale.ticks(max(3, int(rect.height() / (1.7 * metrics.height()))))
-    step = min((b - a for a, b in pairwise(ticks)), default=1.0)
-    painter.setFont(theme.font())
-    for value in ticks:
-        y = rect.bottom() - float(scale.fraction(value)) * rect.height()
-        if grid:
-            painter.setPen(QPen(QColor(theme.grid), 1))
-            painter.drawLine(QPointF(rect.left(), y), QPointF(rect.right(), y))
-        painter.setPen(QColor(theme.text))
-        painter.drawLine(QPointF(rect.left() - 4, y), QPointF(rect.left(), y))
-        # labels keep inside the axis, so that those of neighbouring strips do not run into each other
-        middle = min(max(y, rect.top() + 0.45 * metrics.height()), rect.bottom() - 0.45 * metrics.height())
-        box = QRectF(left, middle - metrics.height(), rect.left() - 6 - left, 2 * metrics.height())
-        painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text(value, step))
-    painter.save()
-    painter.translate(left - 0.65 * metrics.height(), rect.center().y())
-    painter.rotate(-90.0)
-    span = rect.height() + metrics.height()
-    name = label if metrics.horizontalAdvance(label) <= span else label.rpartition("(")[2].rstrip(")")
-    painter.setPen(QColor(theme.text))
-    painter.drawText(
-        QRectF(-0.5 * span, -metrics.height(), span, 2 * metrics.height()), Qt.AlignmentFlag.AlignCenter, name
-    )
-    painter.restore()
 
 
 def paint_hatch(painter: QPainter, rect: QRectF, theme: Theme) -> None:

@@ -31,6 +31,10 @@ class Scale:
         low, high = _warped(self.low, self.kind), _warped(self.high, self.kind)
         return np.asarray((_warped(value, self.kind) - low) / (high - low), dtype=np.float64)
 
+    def spread(self, value: float) -> float:
+        """Return the value in the unit in which the axis is even: itself, its logarithm, or its place in mel."""
+        return float(_warped(value, self.kind))
+
     def value(self, fraction: FloatArray | float) -> FloatArray:
         """Return the value at ``fraction``: the inverse of :meth:`fraction`."""
         low, high = _warped(self.low, self.kind), _warped(self.high, self.kind)

@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QWidget
 
 from processing.survey import Candidate, Channel, TiePoint, Track
 from widgets.curve_plot import Curve, CurvePlot, padded
-from widgets.envelope import EnvelopePyramid, joined
+from widgets.envelope import EnvelopePyramid
 from widgets.plot_marks import Readout
-from widgets.plot_paint import edges_of, free_box, paint_columns, paint_tag
+from widgets.plot_paint import edges_of, free_box, paint_tag
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
@@ -32,6 +32,7 @@ class ProfileView(CurvePlot):
         self._low: Curve | None = None
         self._high: Curve | None = None
         self._tie_points: tuple[TiePoint, ...] = ()
+        self._band_item, self._up_item = self._new_curve(), self._new_curve()
 
     def set_track(self, track: Track | None) -> None:
         """Show the elevation of a track; None shows none."""
@@ -55,18 +56,22 @@ class ProfileView(CurvePlot):
         self._tie_points = tuple(tie_points)
         self.invalidate()
 
+    def _show_data(self) -> None:
+        self._show_scale(self._scale if self._up is not None else None, self.tr("elevation (m)"))
+        if self._low is None or self._high is None:
+            self._band_item.hide()
+        else:
+            count = self.columns()
+            low, high = self._low.columns(self._cursor, count)[0], self._high.columns(self._cursor, count)[1]
+            band = QColor(self._theme.band)
+            band.setAlpha(130)
+            self._show_columns(self._band_item, low, high, band)
+        self._show_curve(self._up_item, self._up, self._theme.curve, 1.3)
+
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
-        if self._up is None or self._low is None or self._high is None:
+        if self._up is None:
             self._paint_hint(painter, rect, self.tr("No path yet"))
             return
-        self._paint_axis(painter, rect, self.tr("elevation (m)"))
-        count = self.columns()
-        band = QColor(self._theme.band)
-        band.setAlpha(130)
-        low, high = self._low.columns(self._cursor, count)[0], self._high.columns(self._cursor, count)[1]
-        paint_columns(painter, rect, low, high, self._scale, band)
-        up = joined(*self._up.columns(self._cursor, count))
-        paint_columns(painter, rect, *up, self._scale, QColor(self._theme.curve), 1.3 * self._theme.line_width)
         self._paint_tie_points(painter, rect)
 
     def _paint_tie_points(self, painter: QPainter, rect: QRectF) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QPainter, QPen
+from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QWidget
 
 from processing.survey import Channel
@@ -17,8 +17,9 @@ from widgets.color_maps import COLOR_MAPS
 from widgets.colour_bar import LEAST_RANGE_DB, ColourBar
 from widgets.latest_loader import LatestLoader
 from widgets.linked_plot import Drag, LinkedPlot
+from widgets.plot_axes import ValueAxis
+from widgets.plot_canvas import PictureItem
 from widgets.plot_marks import Readout
-from widgets.plot_paint import paint_y_axis
 from widgets.plot_scale import Scale, ScaleKind, hertz_text
 from widgets.plot_theme import LIGHT, Theme
 from widgets.tile_source import Levels, TileSource, pixel_levels
@@ -43,6 +44,11 @@ class PictureKey:
     rows: int
     map_version: int
 
+    def is_of_same_axes(self, other: "PictureKey") -> bool:
+        """Return whether one can be drawn stretched in the place of the other."""
+        mine = (self.mode, self.map_version, self.frequency.kind)
+        return mine == (other.mode, other.map_version, other.frequency.kind)
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -50,6 +56,26 @@ class Picture:
 
     key: PictureKey
     levels: Levels
+
+    def visible_part(self, wanted: PictureKey) -> tuple[Levels, tuple[float, float], tuple[float, float]]:
+        """Return the levels that ``wanted`` shows, and from where to where they reach: along x, and down the axis.
+
+        Qt counts in 1/65536 of a pixel when it stretches: what is far outside must not be part of the image.
+        """
+        has, (rows, columns) = self.key, self.levels.shape
+        top, bottom = has.frequency.spread(has.frequency.high), has.frequency.spread(has.frequency.low)
+        upper, lower = wanted.frequency.spread(wanted.frequency.high), wanted.frequency.spread(wanted.frequency.low)
+        across, xs = _cut(has.x_low, has.x_high, columns, wanted.x_low, wanted.x_high)
+        down, ys = _cut(top, bottom, rows, upper, lower)
+        return self.levels[down, across], xs, ys
+
+
+def _cut(first: float, last: float, count: int, start: float, end: float) -> tuple[slice, tuple[float, float]]:
+    """Return which of ``count`` cells from ``first`` to ``last`` touch ``start`` to ``end``, and where those reach."""
+    cell = (last - first) / count
+    begin = min(max(math.floor((start - first) / cell + 1e-6), 0), count)
+    stop = min(max(math.ceil((end - first) / cell - 1e-6), begin), count)
+    return slice(begin, stop), (first + begin * cell, last if stop == count else first + stop * cell)
 
 
 class SpectrogramView(LinkedPlot):
@@ -69,6 +95,9 @@ class SpectrogramView(LinkedPlot):
         self._frequency = Scale(0.0, 1.0)
         self._kind = ScaleKind.LINEAR
         self._bar = ColourBar(Scale(-120.0, 0.0), -90.0, -30.0, "viridis")
+        self._overview_item, self._picture_item = PictureItem(), PictureItem()
+        for item in (self._overview_item, self._picture_item):
+            self._plot.addItem(item, ignoreBounds=True)
         self._range_is_chosen = False
         self._band_hz: tuple[float, float] | None = None
         self._dragged_band_hz: tuple[float, float] | None = None
@@ -231,24 +260,25 @@ class SpectrogramView(LinkedPlot):
 
     # --- painting -----------------------------------------------------------------------------------------------
 
+    def _show_data(self) -> None:
+        scale, known = self._frequency, self._source is not None
+        self._plot.vb.setRange(yRange=(scale.spread(scale.low), scale.spread(scale.high)), padding=0.0)
+        self._value_axis.show_scale(scale if known else None, self.tr("Hz"), self._hertz_text, self._axis_left())
+        if known:
+            self._ask()
+        # the overview lies below what was seen last, which rarely covers everything
+        self._show_picture(self._overview_item, None if self.is_sharp else self._overview)
+        self._show_picture(self._picture_item, self._picture)
+
+    def _value_axes(self, rect: QRectF) -> list[tuple[QRectF, ValueAxis]]:
+        """Return none: lines of frequency would cover the sound."""
+        del rect
+        return []
+
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._source is None:
             self._paint_hint(painter, rect, self.tr("No sound"))
             return
-        self._ask()
-        painter.save()
-        painter.setClipRect(rect)
-        key = self._key()
-        if self._picture is not None and self._picture.key == key:
-            painter.drawImage(rect, self._image(self._picture))
-        else:
-            # the overview lies below what was seen last, which rarely covers everything
-            for picture in (self._overview, self._picture):
-                if picture is not None:
-                    self._paint_stretched(painter, rect, picture, key)
-        painter.restore()
-        label, left = self.tr("Hz"), self._axis_left()
-        paint_y_axis(painter, rect, self._frequency, self._theme, label, self._hertz_text, left, grid=False)
         self._paint_band(painter, rect)
         self._bar.paint(painter, self._value_rect(), self._theme)
 
@@ -256,35 +286,16 @@ class SpectrogramView(LinkedPlot):
         del step
         return hertz_text(value, self.locale())
 
-    def _image(self, picture: Picture) -> QImage:
-        rows, columns = picture.levels.shape
-        image = QImage(picture.levels.data, columns, rows, columns, QImage.Format.Format_Indexed8)
+    def _show_picture(self, item: PictureItem, picture: Picture | None) -> None:
+        """Show a picture where it belongs, stretched if it is of another place or zoom, if it is of the same axes."""
+        wanted = self._key()
+        if picture is None or not picture.key.is_of_same_axes(wanted):
+            item.hide()
+            return
+        part, (left, right), (high, low) = picture.visible_part(wanted)
         scale = self._bar.scale
-        image.setColorTable(self._bar.colours(np.linspace(scale.low, scale.high, 256)))
-        return image
-
-    def _paint_stretched(self, painter: QPainter, rect: QRectF, picture: Picture, wanted: PictureKey) -> None:
-        """Draw a picture of another place or zoom where it belongs, if it is of the same axes at all."""
-        has = picture.key
-        if (has.mode, has.map_version, has.frequency.kind) != (wanted.mode, wanted.map_version, wanted.frequency.kind):
-            return
-        left, right = self.pixel_of_x(has.x_low), self.pixel_of_x(has.x_high)
-        low, high = (float(wanted.frequency.fraction(f)) for f in (has.frequency.low, has.frequency.high))
-        target = QRectF(
-            QPointF(left, rect.bottom() - high * rect.height()), QPointF(right, rect.bottom() - low * rect.height())
-        )
-        visible = target.intersected(rect)
-        if visible.isEmpty():
-            return
-        rows, columns = picture.levels.shape
-        across, down = columns / target.width(), rows / target.height()
-        part = QRectF(
-            (visible.left() - target.left()) * across,
-            (visible.top() - target.top()) * down,
-            visible.width() * across,
-            visible.height() * down,
-        )
-        painter.drawImage(visible, self._image(picture), part)
+        colours = self._bar.table(np.linspace(scale.low, scale.high, 256))
+        item.show_picture(part, colours, QRectF(left, high, right - left, low - high))
 
     def _paint_band(self, painter: QPainter, rect: QRectF) -> None:
         if self._band_hz is None:

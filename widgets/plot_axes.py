@@ -1,0 +1,159 @@
+"""The axes of the stacked plots: pyqtgraph's axis items with the house's ticks, labels within the axis, and names."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import pyqtgraph as pg
+from PySide6.QtCore import QLocale, QPointF, QRectF, Qt
+from PySide6.QtGui import QPainter, QPen
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from widgets.plot_marks import report_paint_error
+from widgets.plot_scale import Scale
+from widgets.plot_theme import Theme
+from widgets.time_axis import AxisMode, x_text, x_ticks
+
+TickText = Callable[[float, float], str]
+Line = tuple[QPen, QPointF, QPointF]
+Label = tuple[QRectF, Qt.AlignmentFlag, str]
+Specs = tuple[Line, list[Line], list[Label]]
+
+
+class PlotAxis(pg.AxisItem):  # type: ignore[misc]  # pyqtgraph has no types
+    """An axis that draws exactly the ticks that the house's scales name."""
+
+    def __init__(self, orientation: str, theme: Theme) -> None:
+        super().__init__(orientation)
+        self.enableAutoSIPrefix(False)
+        self._theme = theme
+        self._room = QRectF()
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw in these colours and letters."""
+        self._theme = theme
+        self.setTickFont(theme.font())
+        self.setTextPen(theme.text)
+        self.setTickPen(theme.text)
+
+    def set_room(self, room: QRectF) -> None:
+        """Let labels stand anywhere within ``room``, in the axis' own pixels, and draw everything anew."""
+        if room != self._room:
+            self.prepareGeometryChange()
+            self._room = room
+        self.picture = None
+        self.update()
+
+    def boundingRect(self) -> QRectF:
+        """Return where labels may stand."""
+        return self._room
+
+    def generateDrawSpecs(self, painter: QPainter) -> Specs | None:
+        """Return line, ticks and labels as pyqtgraph draws them."""
+        raise NotImplementedError
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None) -> None:
+        """Draw the axis, or replay it."""
+        try:
+            super().paint(painter, option, widget)
+        except Exception:  # noqa: BLE001  # handed on
+            report_paint_error()
+
+
+class CommonAxis(PlotAxis):
+    """The axis of time or metres; the last label gives way to the name, which stands right of the plot."""
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__("bottom", theme)
+        self._mode, self._locale, self._name = AxisMode.TIME, QLocale(), ""
+
+    def show_unit(self, mode: AxisMode, name: str, locale: QLocale) -> None:
+        """Count time or metres, under this name."""
+        self._mode, self._name, self._locale = mode, name, locale
+
+    def ticks(self, width: float) -> tuple[list[float], float, float]:
+        """Return the ticks for a plot of so many pixels, the step between them, and the room that a label needs."""
+        (low, high), metrics = self.range, self._theme.metrics()
+        sample = (x_text(value, (high - low) / 10, self._mode, self._locale) for value in (low, high))
+        widest = max(metrics.horizontalAdvance(text) for text in sample)
+        values, step = x_ticks(low, high, self._mode, max(2, int(width / (1.6 * widest + 8))))
+        return values, step, widest
+
+    def generateDrawSpecs(self, painter: QPainter) -> Specs | None:
+        """Return ticks and labels."""
+        del painter
+        metrics, width = self._theme.metrics(), self.size().width()
+        low, high = self.range
+        values, step, widest = self.ticks(width)
+        lines: list[Line] = []
+        labels: list[Label] = []
+        for value in values:
+            x = (value - low) / (high - low) * width
+            lines.append((self.tickPen(), QPointF(x, 0.0), QPointF(x, 4.0)))
+            text = x_text(value, step, self._mode, self._locale)
+            middle = min(x, width + 2 - 0.5 * metrics.horizontalAdvance(text))
+            box = QRectF(middle - widest, 4.0, 2 * widest, metrics.height())
+            labels.append((box, Qt.AlignmentFlag.AlignCenter, text))
+        box = QRectF(width + 6, 4.0, max(0.0, self._room.right() - width - 6), metrics.height())
+        name = metrics.elidedText(self._name, Qt.TextElideMode.ElideRight, box.width())
+        labels.append((box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, name))
+        return (self.tickPen(), QPointF(0.0, 0.0), QPointF(width, 0.0)), lines, labels
+
+
+class ValueAxis(PlotAxis):
+    """A vertical axis; without a scale it is empty, but keeps its width, so that stacked plots stay in line."""
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__("left", theme)
+        self._scale: Scale | None = None
+        self._name, self._left = "", 0.0
+        self._text: TickText = _no_text
+
+    def show_scale(self, scale: Scale | None, name: str = "", text: TickText | None = None, left: float = 0.0) -> None:
+        """Draw this scale under a name; ``text`` makes a label of a value and the step between ticks.
+
+        Labels stand right of ``left`` pixels, the name left of it. Of a name such as ``elevation (m)`` only the unit is
+        written where there is no room for more.
+        """
+        self._scale, self._name, self._left = scale, name, left
+        self._text = text if text is not None else _no_text
+
+    def ticks(self, height: float) -> list[tuple[float, float]]:
+        """Return the ticks for a plot of so many pixels: value, and pixels below its upper edge."""
+        if self._scale is None:
+            return []
+        values = self._scale.ticks(max(3, int(height / (1.7 * self._theme.metrics().height()))))
+        return [(value, (1.0 - float(self._scale.fraction(value))) * height) for value in values]
+
+    def generateDrawSpecs(self, painter: QPainter) -> Specs | None:
+        """Return ticks and labels."""
+        del painter
+        if self._scale is None:
+            return None
+        line_height, width, height = self._theme.metrics().height(), self.size().width(), self.size().height()
+        ticks = self.ticks(height)
+        step = min((b - a for (a, _), (b, _) in pairwise(ticks)), default=1.0)
+        lines = [(self.tickPen(), QPointF(width - 4, y), QPointF(width, y)) for _, y in ticks]
+        labels: list[Label] = []
+        for value, y in ticks:
+            # labels keep inside the axis, so that those of neighbouring strips do not run into each other
+            middle = min(max(y, 0.45 * line_height), height - 0.45 * line_height)
+            box = QRectF(self._left, middle - line_height, width - 6 - self._left, 2 * line_height)
+            labels.append((box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, self._text(value, step)))
+        return (self.tickPen(), QPointF(width, 0.0), QPointF(width, height)), lines, labels
+
+    def drawPicture(self, painter: QPainter, axis: Line, ticks: list[Line], labels: list[Label]) -> None:
+        """Draw ticks and labels, and the name upwards."""
+        super().drawPicture(painter, axis, ticks, labels)
+        metrics, height = self._theme.metrics(), self.size().height()
+        painter.translate(self._left - 0.65 * metrics.height(), 0.5 * height)
+        painter.rotate(-90.0)
+        span = height + metrics.height()
+        fits = metrics.horizontalAdvance(self._name) <= span
+        name = self._name if fits else self._name.rpartition("(")[2].rstrip(")")
+        box = QRectF(-0.5 * span, -metrics.height(), span, 2 * metrics.height())
+        painter.drawText(box, Qt.AlignmentFlag.AlignCenter, name)
+
+
+def _no_text(value: float, step: float) -> str:
+    del value, step
+    return ""
