@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF, qRgb
 
@@ -37,9 +36,10 @@ class ColourBar:
         """Return the height of a level."""
         return rect.bottom() - float(self.scale.fraction(level_db)) * rect.height()
 
-    def table(self, levels_db: np.ndarray) -> npt.NDArray[np.uint8]:
-        """Return the colours (n, 3) of levels (n,)."""
-        return color_table(self.color_map)[level_color_index(levels_db, self.low_db, self.high_db)]
+    def colours(self, levels_db: np.ndarray) -> list[int]:
+        """Return the colours (0xffrrggbb) of levels."""
+        table = color_table(self.color_map)[level_color_index(levels_db, self.low_db, self.high_db)]
+        return [qRgb(*row) for row in table.tolist()]
 
     def grabbed(self, rect: QRectF, place: QPointF) -> str:
         """Return which end follows the mouse when it is pressed here: ``low``, ``high``, ``both`` or ``""``."""
@@ -68,9 +68,8 @@ class ColourBar:
         bar, metrics = self.bar_rect(rect), theme.metrics()
         rows = max(1, round(bar.height()))
         levels = self.scale.value(1.0 - (np.arange(rows) + 0.5) / rows)
-        picture = np.array([qRgb(*row) for row in self.table(levels).tolist()], dtype=np.uint32)[:, None].copy()
-        # a copy, as a recorded painting outlives the numbers
-        painter.drawImage(bar, QImage(picture.data, 1, rows, 4, QImage.Format.Format_RGB32).copy())
+        picture = np.array(self.colours(levels), dtype=np.uint32)[:, None].copy()
+        painter.drawImage(bar, QImage(picture.data, 1, rows, 4, QImage.Format.Format_RGB32))
         painter.setPen(QPen(QColor(theme.text), 1))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawRect(bar)

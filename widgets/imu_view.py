@@ -75,10 +75,11 @@ class StripBox:
 
     def place(self, room: QRectF, theme: Theme, axis_room: QRectF) -> None:
         """Stand in ``room``, with the axis left of it; its labels may fill ``axis_room``."""
-        self.box.setGeometry(room)
         self.axis.apply_theme(theme)
-        self.axis.setWidth(room.left())
-        self.axis.setGeometry(QRectF(0.0, room.top(), room.left(), room.height()))
+        if self.box.geometry() != room:
+            self.box.setGeometry(room)
+            self.axis.setWidth(room.left())
+            self.axis.setGeometry(QRectF(0.0, room.top(), room.left(), room.height()))
         self.axis.set_room(axis_room.translated(0.0, -room.top()))
 
     def show(self, visible: bool) -> None:

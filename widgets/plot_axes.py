@@ -26,11 +26,14 @@ class PlotAxis(pg.AxisItem):  # type: ignore[misc]  # pyqtgraph has no types
         super().__init__(orientation)
         self.enableAutoSIPrefix(False)
         self._theme = theme
+        self._applied: Theme | None = None
         self._room = QRectF()
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""
-        self._theme = theme
+        if self._applied is theme:
+            return
+        self._theme = self._applied = theme
         self.setTickFont(theme.font())
         self.setTextPen(theme.text)
         self.setTickPen(theme.text)
@@ -86,9 +89,10 @@ class CommonAxis(PlotAxis):
         values, step, widest = self.ticks(width)
         lines: list[Line] = []
         labels: list[Label] = []
+        pen = self.tickPen()
         for value in values:
             x = (value - low) / (high - low) * width
-            lines.append((self.tickPen(), QPointF(x, 0.0), QPointF(x, 4.0)))
+            lines.append((pen, QPointF(x, 0.0), QPointF(x, 4.0)))
             text = x_text(value, step, self._mode, self._locale)
             middle = min(x, width + 2 - 0.5 * metrics.horizontalAdvance(text))
             box = QRectF(middle - widest, 4.0, 2 * widest, metrics.height())
@@ -96,7 +100,7 @@ class CommonAxis(PlotAxis):
         box = QRectF(width + 6, 4.0, max(0.0, self._room.right() - width - 6), metrics.height())
         name = metrics.elidedText(self._name, Qt.TextElideMode.ElideRight, box.width())
         labels.append((box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, name))
-        return (self.tickPen(), QPointF(0.0, 0.0), QPointF(width, 0.0)), lines, labels
+        return (pen, QPointF(0.0, 0.0), QPointF(width, 0.0)), lines, labels
 
 
 class ValueAxis(PlotAxis):
@@ -132,14 +136,15 @@ class ValueAxis(PlotAxis):
         line_height, width, height = self._theme.metrics().height(), self.size().width(), self.size().height()
         ticks = self.ticks(height)
         step = min((b - a for (a, _), (b, _) in pairwise(ticks)), default=1.0)
-        lines = [(self.tickPen(), QPointF(width - 4, y), QPointF(width, y)) for _, y in ticks]
+        pen = self.tickPen()
+        lines = [(pen, QPointF(width - 4, y), QPointF(width, y)) for _, y in ticks]
         labels: list[Label] = []
         for value, y in ticks:
             # labels keep inside the axis, so that those of neighbouring strips do not run into each other
             middle = min(max(y, 0.45 * line_height), height - 0.45 * line_height)
             box = QRectF(self._left, middle - line_height, width - 6 - self._left, 2 * line_height)
             labels.append((box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, self._text(value, step)))
-        return (self.tickPen(), QPointF(width, 0.0), QPointF(width, height)), lines, labels
+        return (pen, QPointF(width, 0.0), QPointF(width, height)), lines, labels
 
     def drawPicture(self, painter: QPainter, axis: Line, ticks: list[Line], labels: list[Label]) -> None:
         """Draw ticks and labels, and the name upwards."""

@@ -5,11 +5,12 @@ part of each pixel that it covers. Mouse and keys pass through the canvas to the
 """
 
 from collections.abc import Callable
+from enum import Enum
 
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPicture
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPicture, QPixmap
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene, QStyleOptionGraphicsItem, QWidget
 
 from processing.survey import FloatArray
@@ -43,13 +44,21 @@ class PlotCanvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no typ
         super().paintEvent(event)
 
 
-class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no types
-    """An item in the widget's pixels that a function paints; a kept one is painted once and replayed until renewed."""
+class Keep(Enum):
+    """What of a painting is kept until it is to be renewed."""
 
-    def __init__(self, parent: QGraphicsItem, paint: Callable[[QPainter], None], z: float, *, kept: bool) -> None:
+    NOTHING = 0
+    STROKES = 1  # replayed; dear for pictures, which Qt packs when it records them
+    PIXELS = 2  # laid down
+
+
+class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no types
+    """An item in the widget's pixels that a function paints."""
+
+    def __init__(self, parent: QGraphicsItem, paint: Callable[[QPainter], None], z: float, keep: Keep) -> None:
         super().__init__(parent)
-        self._paint, self._kept = paint, kept
-        self._picture: QPicture | None = None
+        self._paint, self._keep = paint, keep
+        self._kept: QPicture | QPixmap | None = None
         self._area = QRectF()
         self.setZValue(z)
 
@@ -58,7 +67,7 @@ class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no 
         if area != self._area:
             self.prepareGeometryChange()
             self._area = area
-        self._picture = None
+        self._kept = None
         self.update()
 
     def boundingRect(self) -> QRectF:
@@ -66,26 +75,37 @@ class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no 
         return self._area
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
-        """Paint, or replay what was painted."""
+        """Paint, or show what was painted."""
         del option, widget
         try:
-            if not self._kept:
+            if self._keep is Keep.NOTHING:
                 self._paint(painter)
                 return
-            if self._picture is None:
-                self._picture = self._recorded()
-            self._picture.play(painter)
+            if self._kept is None:
+                self._kept = self._recorded(painter.device().devicePixelRatioF())
+            if isinstance(self._kept, QPixmap):
+                painter.drawPixmap(self._area.topLeft(), self._kept)
+            else:
+                self._kept.play(painter)
         except Exception:  # noqa: BLE001  # handed on
             report_paint_error()
 
-    def _recorded(self) -> QPicture:
-        picture = QPicture()
-        painter = QPainter(picture)
+    def _recorded(self, pixel_ratio: float) -> QPicture | QPixmap:
+        if self._keep is Keep.STROKES:
+            kept: QPicture | QPixmap = QPicture()
+        else:
+            size = (self._area.size() * pixel_ratio).toSize()
+            kept = QPixmap(max(1, size.width()), max(1, size.height()))
+            kept.setDevicePixelRatio(pixel_ratio)
+            kept.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(kept)
         try:
+            if self._keep is Keep.PIXELS:
+                painter.translate(-self._area.topLeft())
             self._paint(painter)
         finally:
             painter.end()
-        return picture
+        return kept
 
 
 class PictureItem(pg.ImageItem):  # type: ignore[misc]  # pyqtgraph has no types
@@ -93,21 +113,37 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]  # pyqtgraph has no types
 
     def __init__(self) -> None:
         super().__init__(axisOrder="row-major", autoDownsample=False)
+        self._colours: list[int] = []
 
-    def show_picture(self, numbers: np.ndarray, colours: np.ndarray, area: QRectF) -> None:
-        """Show numbers (rows, columns) in ``colours`` (256, 3 or 4); ``area`` begins at the upper left corner.
+    def show_picture(self, numbers: np.ndarray, colours: list[int], area: QRectF) -> None:
+        """Show numbers (rows, columns) in 256 ``colours`` (0xaarrggbb); ``area`` begins at the upper left corner.
 
         Values grow upwards in a view box, so the height of ``area`` is negative.
         """
         self.setVisible(numbers.size > 0)
         if numbers.size:
-            self.setImage(np.ascontiguousarray(numbers), autoLevels=False, levels=None, lut=colours)
+            self._colours = colours
+            self.setImage(np.ascontiguousarray(numbers), autoLevels=False)
             self.setRect(area)
 
-    def paint(self, painter: QPainter, *arguments: object) -> None:
-        """Lay the picture down."""
+    def render(self) -> None:
+        """Make the image that is laid down; pyqtgraph would walk through the colours one by one."""
+        rows, columns = self.image.shape
+        self.qimage = QImage(self.image.data, columns, rows, columns, QImage.Format.Format_Indexed8)
+        self.qimage.setColorTable(self._colours)
+        self._renderRequired = self._unrenderable = False
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Lay the picture down; in the widget's pixels, where Qt need not stretch what has the right size already."""
+        del option, widget
         try:
-            super().paint(painter, *arguments)
+            place = painter.worldTransform().mapRect(self.boundingRect())
+            # to a part of a pixel that nobody sees, so that rounding does not ask for stretching
+            edges = (round(edge, 3) for edge in (place.left(), place.top(), place.width(), place.height()))
+            if self._renderRequired:
+                self.render()
+            painter.resetTransform()
+            painter.drawImage(QRectF(*edges), self.qimage)
         except Exception:  # noqa: BLE001  # handed on
             report_paint_error()
 
@@ -137,9 +173,8 @@ class ColumnsItem(PictureItem):
         self.show_picture(picture, shades(colour), QRectF(x_span[0], upper, width, -len(picture) * per_row))
 
 
-def shades(colour: QColor) -> np.ndarray:
-    """Return a colour (256, 4) in steps of opacity."""
-    table = np.empty((256, 4), dtype=np.uint8)
-    table[:, :3] = colour.red(), colour.green(), colour.blue()
-    table[:, 3] = np.arange(256) * colour.alpha() // 255
+def shades(colour: QColor) -> list[int]:
+    """Return a colour in 256 steps of opacity, 0xaarrggbb."""
+    opacity = np.arange(256, dtype=np.uint32) * np.uint32(colour.alpha()) // np.uint32(255)
+    table: list[int] = ((opacity << np.uint32(24)) | np.uint32(colour.rgb() & 0xFFFFFF)).tolist()
     return table

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Channel, Decision, Stretch
 from widgets.plot_axes import CommonAxis, ValueAxis
-from widgets.plot_canvas import PaintedItem, PlotCanvas
+from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas
 from widgets.plot_marks import Marks
 from widgets.plot_paint import paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
@@ -36,6 +36,7 @@ class PlotFrame(QWidget):
         self._channel: Channel | None = None  # which stretches concern this plot; None: all
         self._stale = True
         self._rect: QRectF | None = None
+        self._laid_out: QRectF | None = None
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor_x = math.nan
         self._canvas = PlotCanvas(self, self._prepare)
@@ -48,9 +49,11 @@ class PlotFrame(QWidget):
         self._plot.hideButtons()
         self._canvas.setCentralItem(self._plot)
         # the view box with the data stands at −100: between the ground and the details
-        self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, kept=True)
-        self._details = PaintedItem(self._plot, self._paint_details, 10.0, kept=True)
-        self._over = PaintedItem(self._plot, self._paint_over, 20.0, kept=False)
+        self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.STROKES)
+        self._details = PaintedItem(self._plot, self._paint_details, 10.0, Keep.STROKES)
+        self._mark_item = PaintedItem(self._plot, self._paint_marks, 11.0, Keep.NOTHING)
+        self._over = PaintedItem(self._plot, self._paint_over, 20.0, Keep.NOTHING)
+        self._mark_places: list[tuple[Candidate, QPointF]] = []
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         cursor.moved.connect(self._follow_cursor)
@@ -200,15 +203,21 @@ class PlotFrame(QWidget):
         name = self.tr("m") if self._cursor.axis_mode is AxisMode.DISTANCE else self.tr("time")
         self._common_axis.show_unit(self._cursor.axis_mode, name, self.locale())
         self._show_data()
+        self._mark_places = [
+            (c, place) for c in self._marks.in_drawing_order if (place := self._mark_centre(c)) is not None
+        ]
         self._value_axis.set_room(whole.translated(0.0, -rect.top()))
         self._common_axis.set_room(whole.translated(-rect.left(), -rect.bottom()))
-        for item in (self._ground, self._details, self._over):
+        for item in (self._ground, self._details, self._mark_item, self._over):
             item.renew(whole)
 
     def _lay_out(self, rect: QRectF) -> None:
         """Let the view box stand exactly in ``rect``."""
         for axis in (self._value_axis, self._common_axis):
             axis.apply_theme(self._theme)
+        if self._laid_out is rect:
+            return
+        self._laid_out = rect
         below = self.height() - rect.bottom()
         self._plot.showAxis("bottom", self._show_x_axis)
         self._value_axis.setWidth(rect.left())
@@ -236,10 +245,6 @@ class PlotFrame(QWidget):
         painter.setFont(self._theme.font())
         self._paint_data(painter, rect)
         self._paint_not_assessed(painter, rect)
-        self._paint_marks(painter, rect)
-        painter.setPen(QPen(QColor(self._theme.text), 1))
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawRect(rect)
 
     def _paint_not_assessed(self, painter: QPainter, rect: QRectF) -> None:
         for stretch in self._not_assessed:
@@ -248,18 +253,20 @@ class PlotFrame(QWidget):
             if not area.isEmpty():
                 paint_hatch(painter, area, self._theme)
 
-    def _paint_marks(self, painter: QPainter, rect: QRectF) -> None:
+    def _paint_marks(self, painter: QPainter) -> None:
+        rect = self.plot_rect()
         painter.save()
         painter.setClipRect(rect.adjusted(-self.mark_radius(), 0, self.mark_radius(), 0))
         marks, ratio = self._mark_pixmaps, self.devicePixelRatioF()
         if marks is None or not marks.fits(self._theme, self.mark_radius(), ratio):
             marks = self._mark_pixmaps = VerdictMarks(self._theme, self.mark_radius(), ratio)
-        for candidate in self._marks.in_drawing_order:
-            centre = self._mark_centre(candidate)
-            if centre is not None:
-                verdict = self._marks.verdict(candidate)
-                marks.paint(painter, verdict, centre, selected=candidate.id == self._marks.selected)
+        for candidate, centre in self._mark_places:
+            selected = candidate.id == self._marks.selected
+            marks.paint(painter, self._marks.verdict(candidate), centre, selected=selected)
         painter.restore()
+        painter.setPen(QPen(QColor(self._theme.text), 1))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(rect)
 
     def _paint_hint(self, painter: QPainter, rect: QRectF, text: str) -> None:
         colour = QColor(self._theme.text)

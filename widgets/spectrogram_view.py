@@ -18,7 +18,7 @@ from widgets.colour_bar import LEAST_RANGE_DB, ColourBar
 from widgets.latest_loader import LatestLoader
 from widgets.linked_plot import Drag, LinkedPlot
 from widgets.plot_axes import ValueAxis
-from widgets.plot_canvas import PictureItem
+from widgets.plot_canvas import Keep, PaintedItem, PictureItem
 from widgets.plot_marks import Readout
 from widgets.plot_scale import Scale, ScaleKind, hertz_text
 from widgets.plot_theme import LIGHT, Theme
@@ -98,6 +98,7 @@ class SpectrogramView(LinkedPlot):
         self._overview_item, self._picture_item = PictureItem(), PictureItem()
         for item in (self._overview_item, self._picture_item):
             self._plot.addItem(item, ignoreBounds=True)
+        self._bar_item = PaintedItem(self._plot, self._paint_bar, 9.0, Keep.PIXELS)
         self._range_is_chosen = False
         self._band_hz: tuple[float, float] | None = None
         self._dragged_band_hz: tuple[float, float] | None = None
@@ -269,6 +270,8 @@ class SpectrogramView(LinkedPlot):
         # the overview lies below what was seen last, which rarely covers everything
         self._show_picture(self._overview_item, None if self.is_sharp else self._overview)
         self._show_picture(self._picture_item, self._picture)
+        self._bar_item.setVisible(known)
+        self._bar_item.renew(self._value_rect().adjusted(-4, -8, 4, 8))
 
     def _value_axes(self, rect: QRectF) -> list[tuple[QRectF, ValueAxis]]:
         """Return none: lines of frequency would cover the sound."""
@@ -280,6 +283,9 @@ class SpectrogramView(LinkedPlot):
             self._paint_hint(painter, rect, self.tr("No sound"))
             return
         self._paint_band(painter, rect)
+
+    def _paint_bar(self, painter: QPainter) -> None:
+        painter.setFont(self._theme.font())
         self._bar.paint(painter, self._value_rect(), self._theme)
 
     def _hertz_text(self, value: float, step: float) -> str:
@@ -294,7 +300,7 @@ class SpectrogramView(LinkedPlot):
             return
         part, (left, right), (high, low) = picture.visible_part(wanted)
         scale = self._bar.scale
-        colours = self._bar.table(np.linspace(scale.low, scale.high, 256))
+        colours = self._bar.colours(np.linspace(scale.low, scale.high, 256))
         item.show_picture(part, colours, QRectF(left, high, right - left, low - high))
 
     def _paint_band(self, painter: QPainter, rect: QRectF) -> None:
