@@ -16,8 +16,7 @@ from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid, joined
 from widgets.latest_loader import LatestLoader
 from widgets.plot_axes import ValueAxis
-from widgets.plot_canvas import ColumnsItem
-from widgets.plot_frame import view_box
+from widgets.plot_canvas import ColumnsItem, view_box
 from widgets.plot_marks import Readout
 from widgets.plot_scale import Scale
 from widgets.plot_theme import LIGHT, Theme

@@ -1,14 +1,13 @@
-"""Strokes of the plan view: grid, path, interval, pins, names that keep off each other, scale bar and north arrow."""
+"""Strokes of the plan view: grid, interval, pins, names that keep off each other, scale bar and north arrow."""
 
 import math
 
 import numpy as np
-import numpy.typing as npt
 from PySide6.QtCore import QLocale, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from processing.survey import FloatArray, Track
-from widgets.plan_geometry import PlanScale, band_outline, runs
+from widgets.plan_geometry import PlanScale, band_outline
 from widgets.plot_paint import edges_of, free_box, paint_tag
 from widgets.plot_scale import multiples, nice_step, number_text, tick_digits
 from widgets.plot_theme import Theme
@@ -38,28 +37,6 @@ def paint_grid(painter: QPainter, theme: Theme, scale: PlanScale) -> None:
         y = scale.pixel(0.0, value)[1]
         painter.drawLine(QPointF(0.0, y), QPointF(scale.size[0], y))
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-
-
-def paint_run(
-    painter: QPainter,
-    pixels: FloatArray,
-    colour: str,
-    width: float,
-    *,
-    alpha: int = 255,
-    keep: npt.NDArray[np.bool_] | None = None,
-    dashed: bool = False,
-) -> None:
-    """Draw those stretches of a polyline (n, 2) whose points are to be kept; each reaches to the next point."""
-    shade = QColor(colour)
-    shade.setAlpha(alpha)
-    style = Qt.PenStyle.DotLine if dashed else Qt.PenStyle.SolidLine
-    pen = QPen(shade, width, style, Qt.PenCapStyle.FlatCap, Qt.PenJoinStyle.BevelJoin)
-    painter.setPen(pen)
-    painter.setBrush(Qt.BrushStyle.NoBrush)
-    stretches = [(0, len(pixels))] if keep is None else runs(keep)
-    for first, last in stretches:
-        painter.drawPolyline(polygon(pixels[first : last + 1]))
 
 
 def paint_band(painter: QPainter, theme: Theme, scale: PlanScale, track: Track, time_s: FloatArray) -> None:

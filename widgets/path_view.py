@@ -8,12 +8,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent, QWheelEvent
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from processing.survey import Candidate, Channel, Decision, FloatArray, Stretch, TiePoint, Track
+from processing.survey import Candidate, Decision, FloatArray, Stretch, TiePoint, Track
 from widgets.linked_plot import DRAG_PIXELS, ZOOM_STEP
+from widgets.path_items import BAND_Z, PathLines
 from widgets.path_paint import (
     Labels,
     paint_band,
@@ -21,11 +23,11 @@ from widgets.path_paint import (
     paint_grid,
     paint_north,
     paint_pin,
-    paint_run,
     paint_scale_bar,
 )
-from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment, visible_runs
-from widgets.plot_marks import Marks, Readout, report_paint_error
+from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment
+from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, view_box
+from widgets.plot_marks import Marks, Readout
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.throttle import Throttle
 from widgets.time_cursor import TimeCursor
@@ -64,7 +66,8 @@ class PathView(QWidget):
         self._show_interval = True
         self._scale = PlanScale((0.0, 0.0), 10.0, (1.0, 1.0))
         self._fitted = True
-        self._pixmap, self._stale = QPixmap(), True
+        self._stale = True
+        self._build()
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor: QPointF | None = None
         self._pressed: QPointF | None = None
@@ -72,12 +75,28 @@ class PathView(QWidget):
         self._dragged = False
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         # the highlighted part costs a whole repaint: while others pan, it follows ten times a second
         self._follow_range = Throttle(lambda *_: self.invalidate(), 100, self)
         cursor.moved.connect(self._follow_cursor)
         cursor.range_changed.connect(self._follow_range.__call__)  # a bound method goes with its object
+
+    def _build(self) -> None:
+        """Put the items into a plot item without axes; its view box counts metres, equally east and north."""
+        self._canvas = PlotCanvas(self, self._prepare)
+        self._plot = pg.PlotItem(viewBox=view_box(), enableMenu=False)
+        self._plot.hideButtons()
+        self._plot.vb.setAspectLocked()
+        self._plot.layout.setContentsMargins(0.0, 0.0, 0.0, 0.0)
+        for side in ("left", "bottom"):
+            self._plot.hideAxis(side)
+        self._canvas.setCentralItem(self._plot)
+        self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.STROKES)
+        self._lines = PathLines(self._plot.vb)
+        self._band_item = PaintedItem(None, self._paint_interval, BAND_Z, Keep.STROKES)
+        self._plot.vb.addItem(self._band_item, ignoreBounds=True)
+        self._places = PaintedItem(self._plot, self._paint_places, 10.0, Keep.PIXELS)
+        self._device = PaintedItem(self._plot, self._paint_device, 20.0, Keep.NOTHING)
 
     # --- what it is told ----------------------------------------------------------------------------------------
 
@@ -208,85 +227,55 @@ class PathView(QWidget):
         # only what the mark covers is laid down again
         for centre in (self._painted_cursor, self._cursor_pixel()):
             if centre is not None:
-                self.update(QRectF(centre.x() - 26, centre.y() - 26, 52, 52).toAlignedRect())
+                self._canvas.viewport().update(QRectF(centre.x() - 26, centre.y() - 26, 52, 52).toAlignedRect())
 
-    # --- painting -----------------------------------------------------------------------------------------------
+    # --- bringing up to date, and painting ----------------------------------------------------------------------
 
     def invalidate(self) -> None:
-        """Have everything painted anew."""
+        """Have everything brought up to date and painted anew."""
         self._stale = True
-        self.update()
+        self._canvas.viewport().update()
 
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Lay down the pixmap, made anew if it is stale, and the cursor over it."""
-        del event
-        painter = QPainter()
-        try:
-            if self._stale:
-                self._paint_pixmap()
-            painter.begin(self)
-            painter.drawPixmap(0, 0, self._pixmap)
-            place, ahead = self._cursor_pixel(), self._cursor_pixel(self._cursor.time_s + 1.0)
-            self._painted_cursor = place
-            if place is not None:
-                paint_cursor(painter, self._theme, place, ahead)
-        except Exception:  # noqa: BLE001  # handed on
-            report_paint_error()
-        finally:
-            if painter.isActive():
-                painter.end()
-
-    def _paint_pixmap(self) -> None:
-        ratio = self.devicePixelRatioF()
-        self._pixmap = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
-        self._pixmap.setDevicePixelRatio(ratio)
+    def _prepare(self) -> None:
+        if not self._stale:
+            return
         self._stale = False
-        painter = QPainter(self._pixmap)
-        try:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.setFont(self._theme.font())
-            painter.fillRect(self.rect(), QColor(self._theme.canvas))
-            paint_grid(painter, self._theme, self._scale)
-            self._paint_route(painter)
-            if self._path is None:
-                painter.setPen(QColor(self._theme.text))
-                painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self.tr("No path yet"))
-            else:
-                self._paint_path(painter, self._path)
-            self._paint_places(painter)
-            paint_scale_bar(painter, self._theme, self._scale, self.tr("m"), self.locale())
-            paint_north(painter, self._theme, self._scale, self.tr("N"))
-        finally:
-            painter.end()
+        (west, north), (east, south) = self._scale.metres(0.0, 0.0), self._scale.metres(*self._scale.size)
+        self._plot.layout.activate()
+        self._plot.vb.setRange(xRange=(west, east), yRange=(south, north), padding=0.0)
+        self._lines.show_route(self._route, self._scale, self._theme)
+        self._lines.show_path(self._path, self._scale, self._theme, self._cursor.range_s, self._stretches)
+        self._band_item.renew(QRectF(west, south, east - west, north - south))
+        for item in (self._ground, self._places, self._device):
+            item.renew(QRectF(self.rect()))
 
-    def _paint_route(self, painter: QPainter) -> None:
-        pixels = self._scale.pixels(self._route)
-        for first, last in visible_runs(pixels, self._scale.size, 20.0):
-            paint_run(painter, pixels[first:last], self._theme.route, 5.0 * self._theme.line_width, alpha=110)
+    def _paint_ground(self, painter: QPainter) -> None:
+        painter.fillRect(self.rect(), QColor(self._theme.canvas))
+        paint_grid(painter, self._theme, self._scale)
 
-    def _paint_path(self, painter: QPainter, path: ThinnedPath) -> None:
-        rows = path.rows_for(1.0 / self._scale.pixels_per_m)
-        pixels = self._scale.pixels(path.plane_m[rows])
-        shown = visible_runs(pixels, self._scale.size, 40.0)
-        if self._show_interval and self._track is not None and len(rows) > 1:
-            for first, last in shown:
-                paint_band(painter, self._theme, self._scale, self._track, path.time_s[rows[first:last]])
-        start, end = self._cursor.range_s
-        times = path.time_s[rows]
-        in_range = (times >= start) & (times <= end)
-        assessed = np.ones(len(rows), dtype=bool)
-        for stretch in self._stretches:
-            if stretch.channel in (Channel.PATH, Channel.SOUND):
-                assessed &= ~((times >= stretch.start_s) & (times <= stretch.end_s))
-        width = 1.6 * self._theme.line_width
-        for first, last in shown:
-            part = slice(first, last)
-            if not np.all(in_range):
-                paint_run(painter, pixels[part], self._theme.accent, 4.0 * width, alpha=70, keep=in_range[part])
-            paint_run(painter, pixels[part], self._theme.curve, width, keep=assessed[part])
-            paint_run(painter, pixels[part], self._theme.not_assessed, width, keep=~assessed[part], dashed=True)
+    def _paint_interval(self, painter: QPainter) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if self._show_interval and self._track is not None:
+            for times in self._lines.shown_times:
+                paint_band(painter, self._theme, self._scale, self._track, times)
+
+    def _paint_device(self, painter: QPainter) -> None:
+        place, ahead = self._cursor_pixel(), self._cursor_pixel(self._cursor.time_s + 1.0)
+        self._painted_cursor = place
+        if place is not None:
+            paint_cursor(painter, self._theme, place, ahead)
 
     def _paint_places(self, painter: QPainter) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setFont(self._theme.font())
+        if self._path is None:
+            painter.setPen(QColor(self._theme.text))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self.tr("No path yet"))
+        self._paint_pins_and_marks(painter)
+        paint_scale_bar(painter, self._theme, self._scale, self.tr("m"), self.locale())
+        paint_north(painter, self._theme, self._scale, self.tr("N"))
+
+    def _paint_pins_and_marks(self, painter: QPainter) -> None:
         labels = Labels(painter, self._theme, QRectF(self.rect()))
         radius = self._mark_radius()
         pins = [
@@ -332,6 +321,7 @@ class PathView(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the middle where it is, or everything in view."""
         super().resizeEvent(event)
+        self._canvas.setGeometry(self.rect())
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
         self._scale = PlanScale(self._scale.centre_m, self._scale.pixels_per_m, size)
         self._refit()

@@ -53,9 +53,9 @@ class Keep(Enum):
 
 
 class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no types
-    """An item in the widget's pixels that a function paints."""
+    """An item that a function paints in the widget's pixels, in whatever units its parent counts."""
 
-    def __init__(self, parent: QGraphicsItem, paint: Callable[[QPainter], None], z: float, keep: Keep) -> None:
+    def __init__(self, parent: QGraphicsItem | None, paint: Callable[[QPainter], None], z: float, keep: Keep) -> None:
         super().__init__(parent)
         self._paint, self._keep = paint, keep
         self._kept: QPicture | QPixmap | None = None
@@ -63,7 +63,7 @@ class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no 
         self.setZValue(z)
 
     def renew(self, area: QRectF) -> None:
-        """Have it painted anew, within an area."""
+        """Have it painted anew, within an area (in the parent's units)."""
         if area != self._area:
             self.prepareGeometryChange()
             self._area = area
@@ -78,6 +78,7 @@ class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no 
         """Paint, or show what was painted."""
         del option, widget
         try:
+            painter.resetTransform()
             if self._keep is Keep.NOTHING:
                 self._paint(painter)
                 return
@@ -178,3 +179,11 @@ def shades(colour: QColor) -> list[int]:
     opacity = np.arange(256, dtype=np.uint32) * np.uint32(colour.alpha()) // np.uint32(255)
     table: list[int] = ((opacity << np.uint32(24)) | np.uint32(colour.rgb() & 0xFFFFFF)).tolist()
     return table
+
+
+def view_box() -> pg.ViewBox:
+    """Return a view box that shows just the range it is told and leaves the mouse to the widget."""
+    box = pg.ViewBox(enableMouse=False, enableMenu=False, defaultPadding=0.0)
+    box.disableAutoRange()
+    box.setMinimumSize(1.0, 1.0)
+    return box

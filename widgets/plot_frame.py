@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Channel, Decision, Stretch
 from widgets.plot_axes import CommonAxis, ValueAxis
-from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas
+from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, view_box
 from widgets.plot_marks import Marks
 from widgets.plot_paint import paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
@@ -323,11 +323,3 @@ class PlotFrame(QWidget):
         """Show that keys act elsewhere."""
         super().focusOutEvent(event)
         self.refresh()
-
-
-def view_box() -> pg.ViewBox:
-    """Return a view box that shows just the range it is told and leaves the mouse to the widget."""
-    box = pg.ViewBox(enableMouse=False, enableMenu=False, defaultPadding=0.0)
-    box.disableAutoRange()
-    box.setMinimumSize(1.0, 1.0)
-    return box
