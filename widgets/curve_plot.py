@@ -83,7 +83,7 @@ class CurvePlot(LinkedPlot):
     def _show_scale(self, scale: Scale | None, name: str = "") -> None:
         """Let the vertical axis have this scale; None leaves it empty."""
         self._value_axis.show_scale(scale, name, self._tick_text, self._axis_left())
-        self._plot.vb.setRange(yRange=self.y_range, padding=0.0)
+        self._plot.vb.setRange(yRange=self.y_range, padding=0.0, disableAutoRange=False)
 
     def _tick_text(self, value: float, step: float) -> str:
         return number_text(value, tick_digits(step), self.locale())

@@ -174,7 +174,9 @@ class ImuView(CurvePlot):
         label = strip.name if room.height() > 5 * self._theme.metrics().height() else ""
         box.axis.show_scale(strip.scale, label, self._tick_text, self._axis_left())
         box.place(room, self._theme, QRectF(self.rect()))
-        box.box.setRange(xRange=self.x_span(), yRange=(strip.scale.low, strip.scale.high), padding=0.0)
+        box.box.setRange(
+            xRange=self.x_span(), yRange=(strip.scale.low, strip.scale.high), padding=0.0, disableAutoRange=False
+        )
         ratio, width = self.devicePixelRatioF(), 0.8 * self._theme.line_width
         rows = round(room.height() * ratio)
         for item in box.items[len(strip.curves) :]:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
@@ -26,7 +25,7 @@ from widgets.path_paint import (
     paint_scale_bar,
 )
 from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment
-from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, view_box
+from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, plot_item
 from widgets.plot_marks import Marks, Readout
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.throttle import Throttle
@@ -84,12 +83,9 @@ class PathView(QWidget):
     def _build(self) -> None:
         """Put the items into a plot item without axes; its view box counts metres, equally east and north."""
         self._canvas = PlotCanvas(self, self._prepare)
-        self._plot = pg.PlotItem(viewBox=view_box(), enableMenu=False)
-        self._plot.hideButtons()
+        self._plot = plot_item()
         self._plot.vb.setAspectLocked()
         self._plot.layout.setContentsMargins(0.0, 0.0, 0.0, 0.0)
-        for side in ("left", "bottom"):
-            self._plot.hideAxis(side)
         self._canvas.setCentralItem(self._plot)
         self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.STROKES)
         self._lines = PathLines(self._plot.vb)
@@ -242,7 +238,7 @@ class PathView(QWidget):
         self._stale = False
         (west, north), (east, south) = self._scale.metres(0.0, 0.0), self._scale.metres(*self._scale.size)
         self._plot.layout.activate()
-        self._plot.vb.setRange(xRange=(west, east), yRange=(south, north), padding=0.0)
+        self._plot.vb.setRange(xRange=(west, east), yRange=(south, north), padding=0.0, disableAutoRange=False)
         self._lines.show_route(self._route, self._scale, self._theme)
         self._lines.show_path(self._path, self._scale, self._theme, self._cursor.range_s, self._stretches)
         self._band_item.renew(QRectF(west, south, east - west, north - south))

@@ -68,17 +68,22 @@ class CommonAxis(PlotAxis):
     def __init__(self, theme: Theme) -> None:
         super().__init__("bottom", theme)
         self._mode, self._locale, self._name = AxisMode.TIME, QLocale(), ""
+        self._known: tuple[float, tuple[list[float], float, float]] | None = None
 
     def show_unit(self, mode: AxisMode, name: str, locale: QLocale) -> None:
         """Count time or metres, under this name."""
         self._mode, self._name, self._locale = mode, name, locale
+        self._known = None
 
     def ticks(self, width: float) -> tuple[list[float], float, float]:
         """Return the ticks for a plot of so many pixels, the step between them, and the room that a label needs."""
+        if self._known is not None and self._known[0] == width:
+            return self._known[1]
         (low, high), metrics = self.range, self._theme.metrics()
         sample = (x_text(value, (high - low) / 10, self._mode, self._locale) for value in (low, high))
         widest = max(metrics.horizontalAdvance(text) for text in sample)
         values, step = x_ticks(low, high, self._mode, max(2, int(width / (1.6 * widest + 8))))
+        self._known = (width, (values, step, widest))
         return values, step, widest
 
     def generateDrawSpecs(self, painter: QPainter) -> Specs | None:

@@ -187,3 +187,13 @@ def view_box() -> pg.ViewBox:
     box.disableAutoRange()
     box.setMinimumSize(1.0, 1.0)
     return box
+
+
+def plot_item(**axes: pg.AxisItem) -> pg.PlotItem:
+    """Return a plot item with just these axes (``left``, ``bottom``), without menu and buttons."""
+    plot = pg.PlotItem(viewBox=view_box(), axisItems=axes, enableMenu=False)
+    plot.hideButtons()
+    for side in {"left", "bottom", "top", "right"} - axes.keys():
+        plot.hideAxis(side)
+        plot.getAxis(side).unlinkFromView()  # else it follows every range, unseen
+    return plot

@@ -7,14 +7,13 @@ are drawn once and replayed, so a moving cursor only lays them down again under 
 import math
 from collections.abc import Mapping, Sequence
 
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFocusEvent, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Channel, Decision, Stretch
 from widgets.plot_axes import CommonAxis, ValueAxis
-from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, view_box
+from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, plot_item
 from widgets.plot_marks import Marks
 from widgets.plot_paint import paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
@@ -41,12 +40,7 @@ class PlotFrame(QWidget):
         self._painted_cursor_x = math.nan
         self._canvas = PlotCanvas(self, self._prepare)
         self._common_axis, self._value_axis = CommonAxis(theme), ValueAxis(theme)
-        self._plot = pg.PlotItem(
-            viewBox=view_box(),
-            axisItems={"left": self._value_axis, "bottom": self._common_axis},
-            enableMenu=False,
-        )
-        self._plot.hideButtons()
+        self._plot = plot_item(left=self._value_axis, bottom=self._common_axis)
         self._canvas.setCentralItem(self._plot)
         # the view box with the data stands at −100: between the ground and the details
         self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.STROKES)
@@ -199,7 +193,7 @@ class PlotFrame(QWidget):
         self._stale = False
         rect, whole = self.plot_rect(), QRectF(self.rect())
         self._lay_out(rect)
-        self._plot.vb.setRange(xRange=self.x_span(), padding=0.0)
+        self._plot.vb.setRange(xRange=self.x_span(), padding=0.0, disableAutoRange=False)
         name = self.tr("m") if self._cursor.axis_mode is AxisMode.DISTANCE else self.tr("time")
         self._common_axis.show_unit(self._cursor.axis_mode, name, self.locale())
         self._show_data()

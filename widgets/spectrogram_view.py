@@ -263,7 +263,9 @@ class SpectrogramView(LinkedPlot):
 
     def _show_data(self) -> None:
         scale, known = self._frequency, self._source is not None
-        self._plot.vb.setRange(yRange=(scale.spread(scale.low), scale.spread(scale.high)), padding=0.0)
+        self._plot.vb.setRange(
+            yRange=(scale.spread(scale.low), scale.spread(scale.high)), padding=0.0, disableAutoRange=False
+        )
         self._value_axis.show_scale(scale if known else None, self.tr("Hz"), self._hertz_text, self._axis_left())
         if known:
             self._ask()

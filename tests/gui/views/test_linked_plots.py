@@ -288,6 +288,29 @@ def test_a_paint_error_reaches_the_crash_guard_and_leaves_the_process_alive(curs
     del view._paint_data
 
 
+def test_a_paint_error_of_an_item_reaches_the_crash_guard_too(cursor, filled, qtbot):
+    view = filled(LevelView)
+    with qtbot.captureExceptions() as caught:
+        view._level_item.render = lambda: 1 // 0
+        view.invalidate()
+        view.grab()
+    assert caught
+    assert caught[0][0] is ZeroDivisionError
+    del view._level_item.render
+
+
+@pytest.mark.parametrize("kind", STACKED)
+@pytest.mark.parametrize("visible", [True, False])
+def test_the_view_box_fills_the_plot_and_shows_the_range_of_the_cursor(cursor, filled, kind, visible):
+    view = filled(kind)
+    view.set_x_axis_visible(visible)
+    cursor.set_range(120.0, 130.0)
+    view.grab()
+    box = view._plot.vb
+    assert box.mapRectToScene(box.rect()) == view.plot_rect()
+    assert tuple(box.viewRange()[0]) == pytest.approx(view.x_span(), rel=1e-12)
+
+
 def test_known_places_are_drawn_on_the_profile(cursor, filled):
     view = filled(ProfileView)
     before = view.grab().toImage()

@@ -161,6 +161,16 @@ def test_the_cursor_is_brought_into_view_when_it_leaves_it(view, cursor):
     assert 0 < place.y() < 500
 
 
+def test_the_view_box_counts_metres_as_the_plan_does(view):
+    view.centre_on(30.0, 40.0)
+    view.zoom(3.0)
+    view.grab()
+    box = view._plot.vb
+    for pixel in (QPointF(0.0, 0.0), QPointF(123.0, 456.0)):
+        place = box.mapSceneToView(pixel)
+        assert (place.x(), place.y()) == pytest.approx(view.plan_scale.metres(pixel.x(), pixel.y()), abs=1e-6)
+
+
 def test_a_click_on_a_leak_tells_its_number(view, cursor, make_candidate, qtbot):
     here, there = cursor.position_at(380.0), cursor.position_at(500.0)
     view.set_candidates(
