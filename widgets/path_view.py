@@ -36,6 +36,9 @@ REACH_PIXELS = 40.0
 ToLocal = Callable[[TiePoint], tuple[float, float] | None]
 
 
+SAME_PLACE_M = 2.0
+
+
 @dataclass(frozen=True)
 class Pin:
     """A named place on the plan."""
@@ -299,7 +302,8 @@ class PathView(QWidget):
             return ()
         (east, north), (east_last, north_last) = self._path.plane_m[0], self._path.plane_m[-1]
         ends = [Pin(self.tr("launch"), float(east), float(north), "launch")]
-        if not any(pin.name.casefold() == self.tr("retrieval").casefold() for pin in self._tie_pins):
+        # a tie point that stands at the end already names it, in whatever language
+        if not any(np.hypot(pin.east_m - east_last, pin.north_m - north_last) < SAME_PLACE_M for pin in self._tie_pins):
             ends.append(Pin(self.tr("retrieval"), float(east_last), float(north_last), "retrieval"))
         return tuple(ends)
 

@@ -34,6 +34,8 @@ class PlotCanvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no typ
         self.setCacheMode(self.CacheModeFlag.CacheNone)
         self.setViewportUpdateMode(self.ViewportUpdateMode.NoViewportUpdate)
         self.scene().setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
+        for action in self.scene().contextMenu:  # pyqtgraph's own export, in English and never shown
+            action.setText("")
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Bring the items up to date and paint them."""
