@@ -15,7 +15,7 @@ from processing.reporting.files import aside_of
 from processing.reporting.sheets import Words, page_data, rows_with_sheet
 from processing.reporting.spectrogram import spectrogram_excerpt
 
-WIDE, MAP, LEAK_MAP = (494.0, 150.0), (494.0, 250.0), (494.0, 200.0)  # points; the page's text is 174 mm wide
+WIDE, MAP, LEAK_MAP = (494.0, 150.0), (494.0, 205.0), (494.0, 200.0)  # points; the page's text is 174 mm wide
 
 
 def write_pdf(path: Path, content: ReportContent, language: str, progress: Progress) -> None:
