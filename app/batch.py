@@ -63,7 +63,7 @@ def _process_recording(
         cache = Cache(Path(scratch))
         recording = read_recording(path, options, settings.importing, cache, progress.part(0.0, 0.3, "importing"))
         results = process(survey, recording, settings, cache, progress.part(0.3, 0.9))
-        write_exports(results, {}, out, progress.part(0.9, 1.0), language)
+        write_exports(results, {}, out, progress.part(0.9, 1.0), _report_language(settings, language))
     return results
 
 
@@ -75,7 +75,7 @@ def _process_project(path: Path, out: Path, overrides: list[str], language: str,
         recording = read_recording(folder.original_dir, options, settings.importing, folder.cache(), progress, files)
         results = process(survey, recording, settings, folder.cache(), progress.part(0.3, 0.9))
         results, decisions = reviewed(results, folder.review)
-        write_exports(results, decisions, out, progress.part(0.9, 1.0), language)
+        write_exports(results, decisions, out, progress.part(0.9, 1.0), _report_language(settings, language))
     return results
 
 
@@ -98,6 +98,11 @@ def reviewed(results: Results, review: ReviewStore) -> tuple[Results, Mapping[in
     kept = tuple(replace(candidate, id=found[candidate.id]) for candidate in lost)
     carried = {found[number]: decision for number, decision in decisions.items() if number in found}
     return replace(results, candidates=results.candidates + kept), carried
+
+
+def _report_language(settings: Settings, spoken: str) -> str:
+    """Return the language of the report: that of the command line, unless only the settings name another one."""
+    return settings.report.language if spoken == "en" else spoken
 
 
 def _overridden(survey: Survey, settings: Settings, overrides: list[str]) -> tuple[Survey, Settings]:

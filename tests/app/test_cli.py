@@ -116,3 +116,11 @@ def test_processing_loads_no_window(device_folder, tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_the_report_speaks_the_language_that_is_set(device_folder, tmp_path, capsys):
+    import pypdf
+
+    words = ("process", str(device_folder), "--out", str(tmp_path), "--set", "report.language=tr")
+    assert status_and_errors(capsys, *words)[0] == 0
+    assert "Konumlar ne kadar kesin" in pypdf.PdfReader(tmp_path / "report.pdf").pages[0].extract_text()
