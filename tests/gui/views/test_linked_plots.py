@@ -1,3 +1,8 @@
+"""The stacked plots follow one cursor and one range, pixel by pixel.
+
+Longer than 400 lines because all plots share these fixtures and are held to the same behaviour.
+"""
+
 import math
 
 import numpy as np
