@@ -12,12 +12,17 @@ from processing.survey import Finding, FloatArray
 
 @dataclass(frozen=True)
 class ChainageFix:
-    """The device was at ``chainage_m`` ± ``sigma_m`` (1 sigma) at ``time_s``; ``source`` names who says so (bend)."""
+    """The device was at ``chainage_m`` ± ``sigma_m`` (1 sigma) at ``time_s``; ``source`` names who says so (bend).
+
+    ``shared_sigma_m`` is the 1-sigma of one unknown offset that all fixes of the same ``source`` share (a map that is
+    shifted as a whole), on top of ``sigma_m``, which is each fix's own.
+    """
 
     time_s: float
     chainage_m: float
     sigma_m: float
     source: str
+    shared_sigma_m: float = 0.0
 
 
 @dataclass(frozen=True)
