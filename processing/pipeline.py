@@ -18,7 +18,8 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.importing.folder import ImportOptions, import_folder
 from processing.orientation.calibration import Calibration
 from processing.orientation.registry import estimate_attitude
-from processing.position.registry import find_track
+from processing.position.fitting import Fitted, fit
+from processing.position.registry import Reckoned, find_reckoned, problem_of
 from processing.progress import Progress, silent
 from processing.results import Results
 from processing.settings import ClockSettings, ImportSettings, Settings, digest
@@ -45,7 +46,7 @@ from processing.survey import (
 T = TypeVar("T")
 
 # raised when a step's result changes for the same input, so that old caches are not believed
-VERSIONS = {"recording": 1, "attitude": 1, "track": 1, "scan": 1, "clock": 1, "candidates": 1}
+VERSIONS = {"recording": 1, "attitude": 1, "odometry": 1, "track": 2, "scan": 1, "clock": 1, "candidates": 1}
 
 FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast
 
@@ -121,7 +122,8 @@ def process(
         raise LeaklineError(ErrorCode.NO_IMU)
     files = sorted((file.role, file.sha256, file.size) for file in recording.files)
     imu_key = digest("imu", files, settings.importing, recording.not_assessed)
-    oriented, track = _path(survey, imu, settings, steps, imu_key) if imu is not None else (None, None)
+    path = _path(survey, imu, settings, steps, imu_key) if imu is not None else None
+    oriented, track = (path.oriented, path.fitted.track) if path is not None else (None, None)
     known_bad = (*recording.not_assessed, *(track.not_assessed if track is not None else ()))
     sound = _sound(survey, imu, audio, settings, steps, files) if audio is not None else None
     heard = _candidates(survey, imu, track, sound, known_bad, settings, steps) if sound is not None else Heard((), None)
@@ -151,6 +153,8 @@ def process(
         not_assessed=tuple(sorted(stretches, key=lambda s: (s.start_s, s.end_s, s.reason))),
         run_hash=digest(steps.keys),
         timings=steps.timings,
+        reckoned=path.reckoned if path is not None else None,
+        tie_checks=path.fitted.checks if path is not None else (),
     )
 
 
@@ -194,7 +198,14 @@ class _Sound:
     key: str
 
 
-def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, imu_key: str) -> tuple[Oriented, Track]:
+@dataclass(frozen=True)
+class _Path:
+    oriented: Oriented
+    reckoned: Reckoned
+    fitted: Fitted
+
+
+def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, imu_key: str) -> _Path:
     key = digest(
         imu_key,
         settings.orientation,
@@ -211,16 +222,31 @@ def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, im
         ),
         Oriented,
     )
-    progress = steps.progress.part(0.3, 0.5, "position")
-    told = (survey.pipe, survey.device, survey.launch, survey.tie_points, survey.route, survey.processing.position)
-    track = steps.cached(
-        "track",
-        digest(key, settings.position, *told),
-        lambda: find_track(imu, oriented.attitude, survey, settings.position, progress),
-        Track,
+    known = survey.pipe.length_m is not None or any(t.enabled and t.chainage_m for t in survey.tie_points)
+    # where the radius is not told, it matters whether anything can tell it: else no tie point has a part here
+    told = (survey.device, survey.processing.position, survey.device.radius_m is None and known)
+    reckoned_key = digest(key, settings.position, *told)
+    reckoned = steps.cached(
+        "odometry",
+        reckoned_key,
+        lambda: find_reckoned(
+            imu, oriented.attitude, survey, settings.position, steps.progress.part(0.3, 0.48, "position")
+        ),
+        Reckoned,
     )
-    _check_speed(track)
-    return oriented, track
+    fitted = steps.cached(
+        "track",
+        digest(reckoned_key, settings.position, survey.pipe, survey.launch, survey.tie_points, survey.route),
+        lambda: fit(
+            problem_of(reckoned, survey, settings.position),
+            survey,
+            settings.position,
+            steps.progress.part(0.48, 0.5, "position_fit"),
+        ),
+        Fitted,
+    )
+    _check_speed(fitted.track)
+    return _Path(oriented, reckoned, fitted)
 
 
 def _never_heard(track: Track | None, audio: AudioSource | None) -> tuple[Stretch, ...]:

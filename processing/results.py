@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 
 from processing.orientation.calibration import Calibration
+from processing.position.registry import Reckoned
+from processing.position.tie_checks import TieCheck
 from processing.settings import Settings
 from processing.sound.level_along import LevelAlong
 from processing.sound.scan import SoundScan
@@ -27,3 +29,5 @@ class Results:
     not_assessed: tuple[Stretch, ...]
     run_hash: str
     timings: dict[str, float]
+    reckoned: Reckoned | None = None  # what the path is fitted from: `problem_of` makes the live fit of it
+    tie_checks: tuple[TieCheck, ...] = ()

@@ -101,6 +101,21 @@ class OrientationSettings:
     gyro_scale: str = choice(
         "auto", ("auto", "off"), "auto finds the scale along a rolling ball's spin axis (navigation §4.4)"
     )
+    # error-state filter: chosen on half of BROAD's trials, a broad minimum; the other half was as good
+    eskf_gyr_noise_dps_rthz: float = tunable(
+        0.35, "°/s/√Hz", 0.0001, 10.0, "not sensor noise but scale and misalignment while it turns; least total RMSE"
+    )
+    eskf_bias_walk_dps_rts: float = tunable(0.001, "°/s/√s", 0.0, 1.0, "0.0003 to 0.003 differ by 0.1 %")
+    eskf_acc_noise_mps_rts: float = tunable(0.1, "m/s/√s", 0.0001, 10.0, "specific force: noise, scale and vibration")
+    eskf_velocity_noise_mps_rthz: float = tunable(
+        0.4, "m/s/√Hz", 0.001, 100.0, "the velocity is bounded: 2 m/s at 20 Hz; 0.3 to 0.8 differ by 1 %"
+    )
+    eskf_heading_noise_deg_rthz: float = tunable(
+        6.0, "°/√Hz", 0.01, 1000.0, "with the gyro's noise a pull of some 20 s"
+    )
+    eskf_heading_sigma_deg: float = tunable(
+        8.0, "°", 0.1, 90.0, "a field further off than 3 sigma is doubted (navigation §6.2)"
+    )
 
 
 @dataclass(frozen=True)
@@ -132,6 +147,7 @@ class PositionSettings:
     heading_walk: float = tunable(0.05, "°/√s", 0.0, 5.0, "gyro noise and scale along the spin axis")
     magnetic_sigma_deg: float = tunable(8.0, "°", 0.5, 90.0, "magnetic heading near pipes (navigation §6.2)")
     # the fit
+    keyframes: float = tunable(1000.0, "", 50.0, 20000.0, "moments at which a dragged tie point moves the path at once")
     length_sigma_pct: float = tunable(0.2, "%", 0.001, 10.0, "how well a pipe's length is known, on top of 0.1 m")
     tie_time_sigma_s: float = tunable(0.3, "s", 0.0, 60.0, "reaction time of whoever notes a tie point")
     outlier_sigmas: float = tunable(3.0, "sigma", 1.5, 10.0, "a tie point that the others miss by more is held down")

@@ -316,6 +316,7 @@ class Track:
     findings: tuple[Finding, ...] = ()
     not_assessed: tuple[Stretch, ...] = ()
     quality: Params = field(default_factory=dict)  # figures for summary.json and the accuracy statement
+    cov_level_m2: FloatArray | None = None  # (m, 3) variances of the place east-east, east-north, north-north
 
 
 class LeakClass(StrEnum):

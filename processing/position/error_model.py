@@ -66,13 +66,13 @@ class ErrorModel:
         step_q = np.diff(walks.heading_rad2)
         middle_j = 0.5 * (self.turn_m[1:] + self.turn_m[:-1])
         self.walk_a = cumulated(middle_j * step_q[:, None])  # A (m, 2)
-        self.walk_b = cumulated(_outer(middle_j) * step_q[:, None])  # B (m, 3): xx, xy, yy
+        self.walk_b = cumulated(outer(middle_j) * step_q[:, None])  # B (m, 3): xx, xy, yy
         self.direction = directions(level_m)  # (m − 1, 2) of each step
         across = np.column_stack([-self.direction[:, 1], self.direction[:, 0]])
         step_a, step_c = np.diff(walks.along_m2)[:, None], np.diff(walks.cross_m2)[:, None]
         self.slip_e = cumulated(self.direction * step_a)  # E = ∫ u dW (m, 2)
         self.side_f = cumulated(across * step_c)  # F = ∫ n dW' (m, 2)
-        self.place_d = cumulated(_outer(self.direction) * step_a + _outer(across) * step_c)  # D (m, 3)
+        self.place_d = cumulated(outer(self.direction) * step_a + outer(across) * step_c)  # D (m, 3)
 
     def chainage_chainage(self, i: Rows, j: int) -> FloatArray:
         """Cov(c_i, c_j) (k,)."""
@@ -133,7 +133,8 @@ def directions(level_m: FloatArray) -> FloatArray:
     return np.asarray(step[last] / size[last, None])
 
 
-def _outer(v: FloatArray) -> FloatArray:
+def outer(v: FloatArray) -> FloatArray:
+    """Return xx, xy, yy (k, 3) of the products of vectors (k, 2) with themselves."""
     return np.column_stack([v[:, 0] ** 2, v[:, 0] * v[:, 1], v[:, 1] ** 2])
 
 

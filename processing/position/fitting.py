@@ -1,25 +1,27 @@
 """The fit of a free path to what is known, by least squares, with an interval at every moment.
 
 The unknowns are those of :mod:`processing.position.error_model`; ties pull on them by their sigmas. A tie that all
-others contradict is held down to what they allow, and named.
+others contradict is held down to what they allow, and named. :func:`prepare` does once what no tie changes,
+:func:`fit` gives the whole track, :func:`refit` the same path at some keyframes, quickly enough to follow a hand.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from processing.coordinates import frame_of
+from processing.coordinates import LocalFrame, frame_of
 from processing.orientation.quaternions import multiply, turn_about_up
-from processing.position.error_model import Sigmas
+from processing.position.error_model import Rows, Sigmas, outer
+from processing.position.evidence import Evidence
 from processing.position.heading import HeadingStart, heading_start, route_turn
 from processing.position.odometry import Odometry, rescaled, started_at, thinned
 from processing.position.route import RouteLine, route_line
 from processing.position.solving import TURNS, Solution, solve, variances
 from processing.position.tie_checks import TieCheck, checks_of, hold_down, inflation_of
 from processing.position.ties import Observation, launch_tie, observations
-from processing.progress import Progress
+from processing.progress import Progress, silent
 from processing.settings import PositionSettings
-from processing.survey import Finding, Params, Severity, Survey, Track
+from processing.survey import Finding, FloatArray, Params, Severity, Survey, Track
 
 _COARSE_ROWS = 4000
 _OPEN_SCALE = 0.2  # while ties are checked against each other, the radius has no say
@@ -34,14 +36,87 @@ class Fitted:
     checks: tuple[TieCheck, ...]
 
 
-def fit(odometry: Odometry, survey: Survey, settings: PositionSettings, progress: Progress) -> Fitted:
-    """Return the path fitted to the survey's ties, length and route, with its interval (95 % is ±1.96 sigma).
+@dataclass(frozen=True)
+class FitProblem:
+    """All of a fit that no tie point changes: what was reckoned, what else is known, and the keyframes (k,) rows."""
+
+    odometry: Odometry
+    evidence: Evidence
+    frame: LocalFrame
+    route: RouteLine | None
+    rows: Rows
+    findings: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True)
+class FitPreview:
+    """The fitted path at k keyframes, to be drawn while a tie point is dragged; sigmas as in :class:`Track`.
+
+    ``cov_level_m2`` (k, 3) holds the variances east-east, east-north, north-north of the place.
+    """
+
+    time_s: FloatArray  # (k,)
+    chainage_m: FloatArray  # (k,)
+    position_w_m: FloatArray  # (k, 3)
+    sigma_along_m: FloatArray  # (k,)
+    sigma_cross_m: FloatArray  # (k,)
+    cov_level_m2: FloatArray  # (k, 3)
+    checks: tuple[TieCheck, ...]
+
+
+def prepare(odometry: Odometry, survey: Survey, evidence: Evidence, settings: PositionSettings) -> FitProblem:
+    """Return what every fit of this run shares; tie points and length of the survey have no part in it.
 
     Raises:
         LeaklineError: CRS_UNKNOWN, LAUNCH_INCOMPLETE, LAUNCH_INVALID.
     """
     frame = frame_of(survey)
     route, findings = route_line(frame, survey.route)
+    return FitProblem(odometry, evidence, frame, route, _keyframes(odometry, round(settings.keyframes)), findings)
+
+
+def fit(problem: FitProblem, survey: Survey, settings: PositionSettings, progress: Progress) -> Fitted:
+    """Return the path fitted to the survey's ties, length and route, with its interval (95 % is ±1.96 sigma).
+
+    Raises:
+        LeaklineError: CRS_UNKNOWN, LAUNCH_INCOMPLETE, LAUNCH_INVALID.
+    """
+    return _fitted(problem.odometry, problem, survey, settings, progress)
+
+
+def refit(problem: FitProblem, survey: Survey, settings: PositionSettings) -> FitPreview:
+    """Return the same path as :func:`fit` at the keyframes; errors as there."""
+    times = np.array([t.time_s for t in survey.tie_points if t.enabled])
+    count = len(problem.odometry.time_s)
+    near = np.clip(np.searchsorted(problem.odometry.time_s, times), 0, count - 1)
+    rows = np.unique(np.concatenate([problem.rows, near, np.maximum(near - 1, 0)]))
+    found = _fitted(thinned(problem.odometry, rows), problem, survey, settings, silent())
+    track = found.track
+    assert track.cov_level_m2 is not None
+    return FitPreview(
+        track.time_s,
+        track.chainage_m,
+        track.position_w_m,
+        track.sigma_along_m,
+        track.sigma_cross_m,
+        track.cov_level_m2,
+        found.checks,
+    )
+
+
+def _keyframes(odometry: Odometry, count: int) -> Rows:
+    """Rows that share out way and time evenly, the ends among them."""
+    way = odometry.chainage_m / max(float(odometry.chainage_m[-1]), 1e-9)
+    since = (odometry.time_s - odometry.time_s[0]) / (odometry.time_s[-1] - odometry.time_s[0])
+    shares = np.linspace(0.0, 1.0, count)
+    rows = np.clip(np.searchsorted(0.8 * way + 0.2 * since, shares), 0, len(way) - 1)
+    return np.unique(np.concatenate([[0], rows, [len(way) - 1]]))
+
+
+def _fitted(
+    odometry: Odometry, problem: FitProblem, survey: Survey, settings: PositionSettings, progress: Progress
+) -> Fitted:
+    frame, route, findings = problem.frame, problem.route, problem.findings
     launch = launch_tie(odometry, survey)
     if launch is not None:
         odometry = started_at(odometry, launch.time_s, launch.sigma_m)
@@ -105,7 +180,9 @@ def _track(odometry: Odometry, solution: Solution, route: RouteLine | None, infl
     deviation, path = solution.deviation, solution.path
     chainage = (1.0 + deviation.scale) * odometry.chainage_m + deviation.along_m
     chainage = np.maximum.accumulate(np.maximum(chainage, 0.0))
-    along, cross, up = (np.sqrt(inflation * v) for v in variances(solution))
+    spread = variances(solution)
+    along, cross, up = (np.sqrt(inflation * v) for v in (spread.along_m2, spread.cross_m2, spread.up_m2))
+    level = inflation * spread.level_m2
     place = np.column_stack([path.level_m, path.up_m])
     turn = deviation.heading_rad
     if route is not None:
@@ -114,6 +191,8 @@ def _track(odometry: Odometry, solution: Solution, route: RouteLine | None, infl
         cross = np.full_like(cross, route.sigma_m)
         if np.ptp(route.points_w_m[:, 2]) > 0.0:
             up = np.full_like(up, route.sigma_m)
+        ahead = route.directions(chainage)[:, :2]
+        level = (along**2 - cross**2)[:, None] * outer(ahead) + (cross**2)[:, None] * np.array([1.0, 0.0, 1.0])
     return Track(
         time_s=odometry.time_s,
         chainage_m=chainage,
@@ -126,6 +205,7 @@ def _track(odometry: Odometry, solution: Solution, route: RouteLine | None, infl
         method=odometry.method,
         reason=odometry.reason,
         not_assessed=odometry.not_assessed,
+        cov_level_m2=level,
     )
 
 

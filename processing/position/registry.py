@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 from processing.errors import ErrorCode, LeaklineError
 from processing.position import inertial, rolling
-from processing.position.fitting import Fitted, fit
+from processing.position.evidence import Evidence
+from processing.position.fitting import FitProblem, Fitted, fit, prepare
 from processing.position.odometry import Odometry
 from processing.position.tie_checks import TieCheck
 from processing.progress import Progress, silent
@@ -13,6 +14,14 @@ from processing.settings import PositionSettings
 from processing.survey import Attitude, ImuSamples, Motion, Survey, Track
 
 Reckon = Callable[[ImuSamples, Attitude, Survey, PositionSettings, Progress], Odometry]
+
+
+@dataclass(frozen=True)
+class Reckoned:
+    """What a recording gives before anything else is known: the free path, and what it says of the place itself."""
+
+    odometry: Odometry
+    evidence: Evidence
 
 
 @dataclass(frozen=True)
@@ -54,6 +63,18 @@ def reckon(
     return replace(odometry, method=name, reason=reason, heading_from=attitude.heading_from)
 
 
+def find_reckoned(
+    imu: ImuSamples, attitude: Attitude, survey: Survey, settings: PositionSettings, progress: Progress | None = None
+) -> Reckoned:
+    """Return free path and evidence of a recording; ties, length and route of the survey have no part in it.
+
+    Raises:
+        LeaklineError: TOO_FEW_SAMPLES, SETTING_INVALID.
+    """
+    odometry = reckon(imu, attitude, survey, settings, progress or silent())
+    return Reckoned(odometry, Evidence())
+
+
 def find_track(
     imu: ImuSamples, attitude: Attitude, survey: Survey, settings: PositionSettings, progress: Progress | None = None
 ) -> Track:
@@ -66,14 +87,28 @@ def find_track(
 
 
 def find_fitted(
-    imu: ImuSamples, attitude: Attitude, survey: Survey, settings: PositionSettings, progress: Progress | None = None
+    imu: ImuSamples,
+    attitude: Attitude,
+    survey: Survey,
+    settings: PositionSettings,
+    progress: Progress | None = None,
+    evidence: Evidence | None = None,
 ) -> Fitted:
     """Return the track of :func:`find_track` together with the table of its ties."""
     progress = progress or silent()
     odometry = reckon(imu, attitude, survey, settings, progress.part(0.0, 0.8, "position_reckon"))
-    return fit(odometry, survey, settings, progress.part(0.8, 1.0, "position_fit"))
+    problem = prepare(odometry, survey, evidence or Evidence(), settings)
+    return fit(problem, survey, settings, progress.part(0.8, 1.0, "position_fit"))
+
+
+def problem_of(reckoned: Reckoned, survey: Survey, settings: PositionSettings) -> FitProblem:
+    """Return the fit of a run as far as no tie point changes it; errors as :func:`processing.position.fitting.prepare`.
+
+    With it, :func:`processing.position.fitting.refit` follows a tie point that is being dragged.
+    """
+    return prepare(reckoned.odometry, survey, reckoned.evidence, settings)
 
 
 def check_ties(odometry: Odometry, survey: Survey, settings: PositionSettings) -> tuple[TieCheck, ...]:
     """Return how each enabled tie agrees with all the others (leave-one-out), without reckoning the run again."""
-    return fit(odometry, survey, settings, silent()).checks
+    return fit(prepare(odometry, survey, Evidence(), settings), survey, settings, silent()).checks

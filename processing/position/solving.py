@@ -188,28 +188,39 @@ def _mean(model: ErrorModel, ties: tuple[Observation, ...], alpha: FloatArray, z
     return Deviation(scale, heading, along, cross, up)
 
 
-def variances(solution: Solution) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Posterior variances (m,) along (of the chainage), across the way, and up."""
+@dataclass(frozen=True)
+class Spread:
+    """Posterior variances (m,) along (of the chainage), across the way and up, and of the place: EE, EN, NN (m, 3)."""
+
+    along_m2: FloatArray
+    cross_m2: FloatArray
+    up_m2: FloatArray
+    level_m2: FloatArray
+
+
+def variances(solution: Solution) -> Spread:
+    """Return what the errors may still be, given the ties, at all rows."""
     model = solution.model
     count = len(model.chainage_m)
-    along, cross, up = np.empty(count), np.empty(count), np.empty(count)
+    along, up, level = np.empty(count), np.empty(count), np.empty((count, 2, 2))
     ahead = np.vstack([model.direction, model.direction[-1:]])
     side = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     # S⁻¹ = L Lᵀ, so what the ties take off is the squared size of K L
     root = np.linalg.cholesky(solution.inverse) if len(solution.alpha) else np.zeros((0, 0))
     for start in range(0, count, _BLOCK_ROWS):
         rows = np.arange(start, min(start + _BLOCK_ROWS, count))
-        own = model.place_place(rows, rows)
+        level[rows] = model.place_place(rows, rows)
         along[rows] = (
             (model.sigmas.scale * model.chainage_m[rows]) ** 2 + model.walks.along_m2[rows] + model.sigmas.start_m**2
         )
-        cross[rows] = np.einsum("ki,kij,kj->k", side[rows], own, side[rows])
         up[rows] = model.up_up(rows, rows)
         if not solution.ties:
             continue
         parts = [_cross(model, rows, tie) for tie in solution.ties]
         along[rows] -= np.sum((np.hstack([p.chainage for p in parts]) @ root) ** 2, axis=1)
-        level = np.concatenate([p.place for p in parts], axis=2)
-        cross[rows] -= np.sum((np.einsum("ki,kij->kj", side[rows], level) @ root) ** 2, axis=1)
+        known = np.concatenate([p.place for p in parts], axis=2) @ root
+        level[rows] -= known @ known.transpose(0, 2, 1)
         up[rows] -= np.sum((np.hstack([p.up for p in parts]) @ root) ** 2, axis=1)
-    return tuple(np.maximum(v, 1e-6) for v in (along, cross, up))  # type: ignore[return-value]
+    cross = np.einsum("ki,kij,kj->k", side, level, side)
+    packed = level.reshape(-1, 4)[:, [0, 1, 3]] + 1e-6 * np.array([1.0, 0.0, 1.0])
+    return Spread(np.maximum(along, 1e-6), np.maximum(cross, 1e-6), np.maximum(up, 1e-6), packed)

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from odometry_runs import odometry, realistic
 
 from processing.position.error_model import ErrorModel, Sigmas, Walks
-from processing.position.fitting import fit
+from processing.position.evidence import Evidence
+from processing.position.fitting import fit, prepare
 from processing.progress import silent
 from processing.settings import PositionSettings
 from processing.survey import DeviceInfo, Launch, PipeInfo, Route, Survey, TiePoint
@@ -20,7 +21,11 @@ SURVEY = Survey(launch=Launch(heading_deg=90.0), device=DeviceInfo(radius_m=0.05
 
 
 def track_of(reckoned, survey, options=SETTINGS):
-    return fit(reckoned, survey, options, silent()).track
+    return fitted(reckoned, survey, options).track
+
+
+def fitted(reckoned, survey, options=SETTINGS):
+    return fit(prepare(reckoned, survey, Evidence(), options), survey, options, silent())
 
 
 def codes(track):
@@ -171,7 +176,7 @@ def test_leave_one_out_is_what_leaving_one_out_gives():
         TiePoint(f"t{k}", float(t), chainage_m=float(np.interp(t, truth.time_s, truth.chainage_m)))
         for k, t in enumerate(np.quantile(truth.time_s, [0.25, 0.5, 0.75, 0.97]))
     ]
-    checks = fit(reckoned, with_ties(*ties), SETTINGS, silent()).checks
+    checks = fitted(reckoned, with_ties(*ties)).checks
     for check, left in zip(checks, ties):
         without = track_of(reckoned, with_ties(*[t for t in ties if t is not left]))
         missed = left.chainage_m - np.interp(left.time_s, without.time_s, without.chainage_m)
