@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.simulation.scenario import Drive
+from processing.simulation.smooth import step, step_d1, step_d2, step_integral
 from processing.survey import FloatArray
 
 
@@ -43,11 +44,11 @@ class _Phase:
     def _ramp(self, u: FloatArray) -> Going:
         T, v = self.duration_s, self.speed_mps
         if self.kind > 0:
-            g, d1, d2 = _step(u), _step_d1(u) / T, _step_d2(u) / T**2
-            s = v * T * _step_integral(u)
+            g, d1, d2 = step(u), step_d1(u) / T, step_d2(u) / T**2
+            s = v * T * step_integral(u)
         else:
-            g, d1, d2 = _step(1 - u), -_step_d1(1 - u) / T, _step_d2(1 - u) / T**2
-            s = v * T * (0.5 - _step_integral(1 - u))
+            g, d1, d2 = step(1 - u), -step_d1(1 - u) / T, step_d2(1 - u) / T**2
+            s = v * T * (0.5 - step_integral(1 - u))
         return Going(self.chainage_m + s, v * g, v * d1, g, d1, d2)
 
     def _cruise(self, u: FloatArray) -> Going:
@@ -61,23 +62,6 @@ class _Phase:
         under_way = np.full_like(u, float(v > 0))
         zeros = np.zeros_like(u)
         return Going(self.chainage_m + v * T * way, v * speed, v / max(T, 1e-12) * acc, under_way, zeros, zeros)
-
-
-def _step(u: FloatArray) -> FloatArray:
-    """Rise from 0 to 1 with three vanishing derivatives at both ends."""
-    return np.asarray(u**4 * (35 - 84 * u + 70 * u**2 - 20 * u**3))
-
-
-def _step_d1(u: FloatArray) -> FloatArray:
-    return np.asarray(140 * (u * (1 - u)) ** 3)
-
-
-def _step_d2(u: FloatArray) -> FloatArray:
-    return np.asarray(420 * (u * (1 - u)) ** 2 * (1 - 2 * u))
-
-
-def _step_integral(u: FloatArray) -> FloatArray:
-    return np.asarray(u**5 * (7 - 14 * u + 10 * u**2 - 2.5 * u**3))
 
 
 class DrivePlan:

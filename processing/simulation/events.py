@@ -15,7 +15,7 @@ _QUIET_S = 4.0  # of rest before the first tap: the gyro's offset is learnt ther
 
 @dataclass(frozen=True)
 class Blow:
-    """One blow at survey time ``time_s``: ``kind`` is ``joint``, ``stray`` or ``knock``."""
+    """One blow at survey time ``time_s``: ``kind`` is ``joint``, ``stray``, ``knock`` or ``step``."""
 
     kind: str
     time_s: float
@@ -25,9 +25,11 @@ class Blow:
     width_s: float
 
 
-def blows(scenario: Scenario, motion: TrueMotion, rng: np.random.Generator) -> tuple[Blow, ...]:
-    """Draw all blows of a run, in order of time."""
-    out = [*_taps(scenario, motion), *_joints(scenario, motion, rng), *_strays(scenario, motion, rng)]
+def blows(
+    scenario: Scenario, motion: TrueMotion, rng: np.random.Generator, steps: tuple[Blow, ...] = ()
+) -> tuple[Blow, ...]:
+    """Draw all blows of a run, in order of time, ``steps`` of a walker among them."""
+    out = [*_taps(scenario, motion), *_joints(scenario, motion, rng), *_strays(scenario, motion, rng), *steps]
     return tuple(sorted(out, key=lambda blow: blow.time_s))
 
 

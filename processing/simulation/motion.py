@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.orientation import quaternions as qt
-from processing.survey import FloatArray
+from processing.survey import BoolArray, FloatArray
 
 GRAVITY_MPS2 = 9.81
 
@@ -16,6 +16,7 @@ class TrueMotion:
 
     ``force_s_mps2`` (n, 3) is the specific force at the IMU at that instant, ``gyr_s_radps`` (n, 3) the rate as the
     scenario's ``gyro_sampling`` defines it; ``rotation_rad`` (n,) is how far a ball has rolled (0 for carried ones).
+    On foot ``velocity_w_mps`` (n, 3) is the sensor's own, and ``flat`` (n,) says where the sole stands on the ground.
     """
 
     time_s: FloatArray
@@ -26,6 +27,8 @@ class TrueMotion:
     force_s_mps2: FloatArray
     gyr_s_radps: FloatArray
     rotation_rad: FloatArray
+    velocity_w_mps: FloatArray | None = None
+    flat: BoolArray | None = None
 
 
 def rates_from_turns(quat_ws: FloatArray, step_s: float) -> FloatArray:

@@ -17,6 +17,7 @@ from processing.simulation.route import SmoothRoute, centre_line
 from processing.simulation.scenario import Scenario
 from processing.simulation.sound import SoundPlan, frequencies, sound_length
 from processing.simulation.sources import background_shape, peak_power, sources_of
+from processing.simulation.walking import Walking, dragged_w_mps2, walk
 from processing.survey import ClockMap, ImuSamples, LeakClass, Motion, Survey
 
 
@@ -67,10 +68,14 @@ def simulate(scenario: Scenario, seed: int = 0, progress: Progress | None = None
     of_drive, of_motion, of_blows, of_imu, of_felt, of_sound, of_papers = streams
     route = centre_line(scenario.route)
     plan = DrivePlan(scenario.drive, route.length_m, of_drive)
-    motion = _move(scenario, route, plan, of_motion, progress.part(0.0, 0.8))
-    all_blows = blows(scenario, motion, of_blows)
+    walking = Walking(scenario.foot, scenario.drive, route, of_motion) if scenario.motion is Motion.FOOT else None
+    motion = _move(scenario, route, plan, walking, of_motion, progress.part(0.0, 0.8))
+    all_blows = blows(scenario, motion, of_blows, walking.shocks() if walking is not None else ())
     progress.update(0.8, "simulate_sensors")
-    imu = measured(scenario.imu, motion, felt_w_mps2(all_blows, motion.time_s, of_felt), of_imu)
+    felt = felt_w_mps2(all_blows, motion.time_s, of_felt)
+    if walking is not None:
+        felt += dragged_w_mps2(walking, motion.time_s, of_felt)
+    imu = measured(scenario.imu, motion, felt, of_imu)
     sound = _sound(scenario, route, motion, all_blows, of_sound, seed) if scenario.sound.enabled else None
     clock = ClockMap(scenario.clock.start_s, scenario.clock.drift_ppm, 0.0, "given")
     survey = survey_of(scenario, route, motion, of_papers)
@@ -81,9 +86,16 @@ def simulate(scenario: Scenario, seed: int = 0, progress: Progress | None = None
 
 
 def _move(
-    scenario: Scenario, route: SmoothRoute, plan: DrivePlan, rng: np.random.Generator, progress: Progress
+    scenario: Scenario,
+    route: SmoothRoute,
+    plan: DrivePlan,
+    walking: Walking | None,
+    rng: np.random.Generator,
+    progress: Progress,
 ) -> TrueMotion:
     imu = scenario.imu
+    if walking is not None:
+        return walk(walking, imu.rate_hz, imu.gyro_sampling, qt.normalise(rng.normal(size=4)))
     if scenario.motion is Motion.ROLLING:
         start = qt.normalise(rng.normal(size=4))  # a ball lies as it fell
         return roll(rolling_of(scenario.ball, route, plan, rng), imu.rate_hz, imu.gyro_sampling, start, progress)

@@ -72,6 +72,42 @@ class Carried:
 
 
 @dataclass(frozen=True)
+class Gait:
+    """One way of going on foot, from chainage ``from_m`` on: a cycle of one foot, in shares of ``stride_s``.
+
+    The foot strikes with the heel and comes down flat (``heel_share``), stands flat (``flat_share``), rolls off over
+    the toes (``toe_share``) and swings. With ``base_pitch_deg`` it stands on its toes all the time, as when crawling.
+    """
+
+    from_m: float = 0.0
+    stride_m: float = 1.3
+    stride_s: float = 1.08
+    heel_share: float = 0.09
+    flat_share: float = 0.34
+    toe_share: float = 0.18
+    clearance_m: float = 0.06
+    heel_pitch_deg: float = 20.0  # toes up at the strike
+    toe_pitch_deg: float = 55.0  # heel up when the toes leave
+    base_pitch_deg: float = 0.0
+    creep_deg: float = 1.0  # the heel begins to rise while the foot still counts as flat
+    shock_mps2: float = 45.0  # of the strike, median of a log-normal
+    drag_mps2: float = 0.0  # rms of the scraping while the foot swings
+
+
+@dataclass(frozen=True)
+class Foot:
+    """A sensor on a foot that walks the route: its line lies ``aside_m`` to the left of the route."""
+
+    gaits: tuple[Gait, ...] = (Gait(),)
+    variation: float = 0.03  # rms from stride to stride, of length and of time
+    aside_m: float = 0.09
+    toe_out_deg: float = 6.0
+    sway_deg: float = 0.4  # rms tilt of the standing foot about its contact, at 0.7 to 4 Hz
+    from_heel_m: Vector = (0.15, 0.0, 0.08)  # from the heel's contact to the sensor: forward, left, up
+    from_toe_m: Vector = (-0.06, 0.0, 0.08)
+
+
+@dataclass(frozen=True)
 class Magnetics:
     """The field around: Earth's (ENU from horizontal, vertical, declination) and what the pipe adds along the way."""
 
@@ -283,6 +319,7 @@ class Scenario:
     drive: Drive = field(default_factory=Drive)
     ball: Ball = field(default_factory=Ball)
     carried: Carried = field(default_factory=Carried)
+    foot: Foot = field(default_factory=Foot)
     imu: Imu = field(default_factory=Imu)
     faults: Faults = field(default_factory=Faults)
     sound: Sound = field(default_factory=Sound)

@@ -5,7 +5,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from processing.simulation.route import centre_line
-from processing.simulation.scenario import Scenario
+from processing.simulation.scenario import Foot, Scenario
+from processing.survey import Motion
 
 #: field name (in any table, or ``table.field``) → least and greatest value
 _LIMITS: Mapping[str, tuple[float, float]] = {
@@ -29,6 +30,21 @@ _LIMITS: Mapping[str, tuple[float, float]] = {
     "bob_m": (0.0, 0.5),
     "sway_m": (0.0, 0.5),
     "wobble_deg": (0.0, 60.0),
+    "stride_m": (0.05, 5.0),
+    "stride_s": (0.2, 20.0),
+    "heel_share": (0.01, 0.4),
+    "flat_share": (0.02, 0.8),
+    "toe_share": (0.01, 0.4),
+    "clearance_m": (0.0, 1.0),
+    "heel_pitch_deg": (0.0, 80.0),
+    "toe_pitch_deg": (0.0, 89.0),
+    "base_pitch_deg": (-89.0, 89.0),
+    "creep_deg": (0.0, 45.0),
+    "shock_mps2": (0.0, 2000.0),
+    "drag_mps2": (0.0, 100.0),
+    "foot.variation": (0.0, 0.2),
+    "aside_m": (-1.0, 1.0),
+    "sway_deg": (0.0, 20.0),
     "imu.rate_hz": (10.0, 2000.0),
     "sound.rate_hz": (4000.0, 192000.0),
     "gyro_range_radps": (0.01, 1e9),
@@ -72,6 +88,7 @@ def check(scenario: Scenario) -> None:
         if not low <= value <= high:
             raise ValueError(f"'{path}' = {value:g} is outside {low:g} … {high:g}")
     _check_words(scenario)
+    _check_gaits(scenario.foot)
     _check_size(scenario)
 
 
@@ -113,12 +130,22 @@ def _check_words(scenario: Scenario) -> None:
         raise ValueError("'sound.file' must be a plain name that ends in .wav, .flac or .w64")
 
 
+def _check_gaits(foot: Foot) -> None:
+    if not foot.gaits:
+        raise ValueError("'foot.gaits' needs at least one gait")
+    if any(g.heel_share + g.flat_share + g.toe_share > 0.9 for g in foot.gaits):
+        raise ValueError("'foot.gaits': heel_share, flat_share and toe_share must leave a tenth for the swing")
+
+
 def _check_size(scenario: Scenario) -> None:
     drive = scenario.drive
     length = centre_line(scenario.route).length_m
     if not 0.5 <= length <= 1e5:
         raise ValueError(f"the route is {length:g} m long; 0.5 … 100000 are possible")
-    seconds = length / drive.speed_mps + drive.rest_start_s + drive.rest_end_s
+    slowest = drive.speed_mps
+    if scenario.motion is Motion.FOOT:
+        slowest = min(g.stride_m / g.stride_s for g in scenario.foot.gaits)
+    seconds = length / slowest + drive.rest_start_s + drive.rest_end_s
     seconds += sum(s.duration_s + 2 * drive.ramp_s for s in drive.stops)
     if seconds * scenario.imu.rate_hz > _MOST_IMU_ROWS:
         raise ValueError(f"a run of {seconds / 3600:.1f} h at this 'imu.rate_hz' needs too much memory")

@@ -5,7 +5,7 @@ from importlib import resources
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError
-from processing.simulation import papers
+from processing.simulation import papers, walks
 from processing.simulation.scenario import Scenario
 from processing.simulation.scenario_file import read_scenario
 from processing.simulation.surveys import long_main, noise_free, random_scenario, small_rolling
@@ -28,11 +28,16 @@ SCENARIOS: Mapping[str, Callable[[], Scenario]] = {
     "p0-closed": papers.p0_closed,
     "p0-50m": papers.p0_50m,
     **{f"p1-{n:02d}": papers.p1_maker(n) for n in range(1, 15)},
+    "foot-square": walks.foot_square,
+    "foot-circle": walks.foot_circle,
+    "foot-stairs": walks.foot_stairs,
 }
+
+_DRAWN: Mapping[str, Callable[[int], Scenario]] = {"random": random_scenario, "walk": walks.random_walk}
 
 
 def load_scenario(path_or_name: str | Path) -> Scenario:
-    """Return the scenario of a name in :data:`SCENARIOS`, of ``random-N``, or of a ``.toml``/``.json`` file.
+    """Return the scenario named in :data:`SCENARIOS`, of ``random-N``, ``walk-N``, or of a ``.toml``/``.json`` file.
 
     Raises:
         LeaklineError: SCENARIO_UNKNOWN for a name that is neither; those of :func:`.scenario_file.read_scenario`.
@@ -40,8 +45,9 @@ def load_scenario(path_or_name: str | Path) -> Scenario:
     name = str(path_or_name)
     if name in SCENARIOS:
         return SCENARIOS[name]()
-    if name.startswith("random-") and name[7:].isdecimal() and len(name) < 30:
-        return random_scenario(int(name[7:]))
+    kind, _, number = name.partition("-")
+    if kind in _DRAWN and number.isdecimal() and len(name) < 30:
+        return _DRAWN[kind](int(number))
     path = Path(path_or_name)
     if path.suffix.lower() in {".toml", ".json"} or path.exists():
         return read_scenario(path)

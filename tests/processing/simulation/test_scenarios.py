@@ -140,6 +140,7 @@ TINY = {
     "imu": {"rate_hz": 20.0, "magnetics": {"enabled": True}},
     "sound": {"rate_hz": 4000, "local": [{"kind": "leak", "chainage_m": 1.5, "flutter": 0.5}], "pumps": [{}]},
     "markers": [{"name": "end", "by": "both"}],
+    "foot": {"gaits": [{}]},
 }
 
 
@@ -167,7 +168,7 @@ NUMBERS = every_number(from_mapping(TINY))
 @given(
     path=st.sampled_from(NUMBERS),
     value=st.sampled_from([-1, 0, 1, 2, 7]) | st.floats(-1e3, 1e3) | st.floats(0, 1e-3) | st.floats(allow_nan=False),
-    motion=st.sampled_from(["rolling", "carried"]),
+    motion=st.sampled_from(["rolling", "carried", "foot"]),
 )
 def test_whatever_passes_the_check_can_be_simulated(path, value, motion):
     data = copy.deepcopy(TINY) | {"motion": motion}
