@@ -46,8 +46,8 @@ class HeightSeries:
     """Heights (k,) above the launch at times (k,), from pressure: k rows, time strictly increasing.
 
     ``sigma_m`` is what is left of the noise of one row; an error that wanders with ``wander_sigma_m`` over
-    ``correlation_s`` (weather, temperature, flow) and one constant offset of ``offset_sigma_m`` come on top. ``gradient_sigma``
-    is the 1-sigma of one unknown slope along the way (m/m): the pressure that the flow loses by friction.
+    ``correlation_s`` (weather, temperature, flow) and one constant offset of ``offset_sigma_m`` come on top.
+    ``gradient_sigma`` is the 1-sigma of one unknown slope along the way (m/m): the pressure that friction takes.
     """
 
     time_s: FloatArray
