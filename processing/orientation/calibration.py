@@ -1,7 +1,7 @@
 """Gyro offset, noise and the local gravity, from the moments at which the device lay still.
 
-Model: ``ω_true = scale · (ω_measured − bias(t))``. The bias is the mean rate of each rest, linear in time between rests
-and held beyond the first and the last; the scale is 1 unless :mod:`processing.orientation.gyro_scale` finds another.
+Model: ``ω_true = M (ω_measured − bias(t))``. The bias is the mean rate of each rest, linear in time between rests
+and held beyond the first and the last; ``M`` is 1 unless :mod:`processing.orientation.gyro_scale` finds another.
 """
 
 from dataclasses import dataclass, field
@@ -34,8 +34,13 @@ class Calibration:
     gyr_noise_radps_rthz: float | None = None  # density, mean of the axes, from the rests
     acc_noise_mps2_rthz: float | None = None
     gravity_mps2: float = STANDARD_GRAVITY_MPS2  # mean |a| at rest: the unit of the accelerometer in this run
-    gyr_scale: FloatArray = field(default_factory=lambda: np.ones(3))
-    gyr_scale_sigma: FloatArray = field(default_factory=lambda: np.full(3, np.nan))
+    gyr_matrix: FloatArray = field(default_factory=lambda: np.eye(3))  # scale, and misalignment off the diagonal
+    gyr_matrix_sigma: FloatArray = field(default_factory=lambda: np.full((3, 3), np.nan))
+
+    @property
+    def gyr_scale(self) -> FloatArray:
+        """The scales of the axes (3,): the diagonal of ``gyr_matrix``."""
+        return np.asarray(np.diag(self.gyr_matrix), dtype=np.float64)
 
     def bias_at(self, time_s: FloatArray) -> FloatArray:
         """Return the gyro offset (m, 3) in rad/s at times (m,)."""
@@ -49,9 +54,9 @@ class Calibration:
         return np.asarray(np.hypot(near, (_WALK_RADPS_RTS * np.sqrt(away))[:, None]), dtype=np.float64)
 
     def corrected(self, time_s: FloatArray, gyr_s_radps: FloatArray) -> FloatArray:
-        """Return angular rates (m, 3) with offset and scale taken off."""
+        """Return angular rates (m, 3) with offset, scale and misalignment taken off."""
         bias = self.bias_radps[0] if len(self.bias_time_s) == 1 else self.bias_at(time_s)
-        return np.asarray((gyr_s_radps - bias) * self.gyr_scale, dtype=np.float64)
+        return np.asarray((gyr_s_radps - bias) @ self.gyr_matrix.T, dtype=np.float64)
 
 
 def calibrate(imu: ImuSamples, settings: OrientationSettings) -> Calibration:
@@ -62,8 +67,10 @@ def calibrate(imu: ImuSamples, settings: OrientationSettings) -> Calibration:
         return Calibration(np.array([start]), np.zeros((1, 3)), np.full((1, 3), _UNKNOWN_RADPS))
     rate_hz = imu.sample_rate_hz
     weight = np.array([r.count for r in rests], dtype=np.float64)
-    gyr_variance = np.average([np.mean(r.gyr_std_radps**2) for r in rests], weights=weight)
-    acc_variance = np.average([np.mean(r.acc_std_mps2**2) for r in rests], weights=weight)
+    quiet = np.array([0.0 if r.shaken else r.count for r in rests])
+    told = bool(np.any(quiet > 0.0))  # what shakes the device is no noise of its sensors
+    gyr_variance = np.average([np.mean(r.gyr_std_radps**2) for r in rests], weights=quiet) if told else 0.0
+    acc_variance = np.average([np.mean(r.acc_std_mps2**2) for r in rests], weights=quiet) if told else 0.0
     gravity = float(np.average([np.linalg.norm(r.acc_mean_mps2) for r in rests], weights=weight))
     return Calibration(
         bias_time_s=np.array([r.middle_s for r in rests]),
@@ -72,8 +79,8 @@ def calibrate(imu: ImuSamples, settings: OrientationSettings) -> Calibration:
         basis="rest",
         rests=rests,
         # white noise of one-sided density N sampled at f has the variance N² f/2
-        gyr_noise_radps_rthz=float(np.sqrt(2.0 * gyr_variance / rate_hz)),
-        acc_noise_mps2_rthz=float(np.sqrt(2.0 * acc_variance / rate_hz)),
+        gyr_noise_radps_rthz=float(np.sqrt(2.0 * gyr_variance / rate_hz)) if told else None,
+        acc_noise_mps2_rthz=float(np.sqrt(2.0 * acc_variance / rate_hz)) if told else None,
         gravity_mps2=gravity if gravity > 0.0 else STANDARD_GRAVITY_MPS2,
     )
 

@@ -160,7 +160,7 @@ def _turn_in_place(quat_ws: FloatArray, yaw_rad: float) -> None:
 
 def _taken_off(imu: ImuSamples, calibration: Calibration, residual: FloatArray | None) -> FloatArray:
     """Return measured minus true rate: (3,) where it is constant, else (n, 3); ``residual`` is used up."""
-    constant = len(calibration.bias_time_s) == 1 and not np.any(calibration.gyr_scale != 1.0)
+    constant = len(calibration.bias_time_s) == 1 and np.array_equal(calibration.gyr_matrix, np.eye(3))
     if residual is None and constant:
         return np.array(calibration.bias_radps[0], dtype=np.float64)
     off = np.zeros((len(imu.time_s), 3)) if residual is None else residual

@@ -56,7 +56,7 @@ def test_sigma_grows_away_from_the_rests():
 
 
 def test_corrected_rates_are_scale_times_rate_less_offset():
-    calibration = replace(calibrate(resting(10.0, noise=0.0), SETTINGS), gyr_scale=np.array([1.0, 1.01, 0.99]))
+    calibration = replace(calibrate(resting(10.0, noise=0.0), SETTINGS), gyr_matrix=np.diag([1.0, 1.01, 0.99]))
     corrected = calibration.corrected(np.array([1.0]), np.array([[1.0, 1.0, 1.0]]))
     np.testing.assert_allclose(corrected[0], (1.0 - BIAS) * [1.0, 1.01, 0.99], atol=1e-9)
 
@@ -129,3 +129,46 @@ def test_broads_rests_are_found_and_agree(shared_data):
         truth = trial.truth_ws[inside]
         truth = truth[np.isfinite(truth[:, 0])]
         assert np.degrees(qt.angle_between(truth[0], truth[-1])) < 1.0
+
+
+def shaken(imu, hertz=11.0, seed=1):
+    """Shake the device as an engine does: many times what a quiet rest may scatter."""
+    rng = np.random.default_rng(seed)
+    wave = np.sin(2.0 * np.pi * hertz * imu.time_s[:, None] + rng.uniform(0.0, 6.0, (1, 6)))
+    wave = wave + 0.3 * rng.standard_normal(wave.shape)
+    return replace(
+        imu,
+        acc_s_mps2=imu.acc_s_mps2 + 1.2 * wave[:, :3],
+        gyr_s_radps=imu.gyr_s_radps + np.radians(1.5) * wave[:, 3:],
+    )
+
+
+def test_a_device_that_lies_still_and_is_shaken_tells_its_offset_but_not_its_noise():
+    calibration = calibrate(shaken(resting(20.0)), SETTINGS)
+    assert calibration.basis == "rest"
+    assert all(r.shaken for r in calibration.rests)
+    np.testing.assert_allclose(calibration.bias_radps[0], BIAS, atol=np.radians(0.03))
+    assert calibration.gyr_noise_radps_rthz is None
+
+
+def test_a_shaken_rest_beside_a_quiet_one_is_found_too():
+    time_s, quat_ws = turning([1.0, 1.0, 0], 3.0, 20.0, rest_s=10.0)
+    imu = samples_of(time_s, quat_ws, bias_radps=BIAS, noise=1.0)
+    late = (time_s > 30.0)[:, None]
+    trembling = shaken(imu)
+    mixed = replace(
+        imu,
+        acc_s_mps2=np.where(late, trembling.acc_s_mps2, imu.acc_s_mps2),
+        gyr_s_radps=np.where(late, trembling.gyr_s_radps, imu.gyr_s_radps),
+    )
+    rests = calibrate(mixed, SETTINGS).rests
+    assert [r.shaken for r in rests] == [False, True]
+    np.testing.assert_allclose(rests[1].gyr_mean_radps, BIAS, atol=np.radians(0.05))
+
+
+def test_walking_is_no_shaken_rest():
+    time_s = np.arange(0.0, 60.0, 0.01)
+    swing = 0.15 * np.sin(2.0 * np.pi * 0.9 * time_s)[:, None] * np.array([1.0, 0.4, 0.2])
+    turn = 0.4 * np.sin(2.0 * np.pi * time_s / 9.0)[:, None] * np.array([0.0, 0.0, 1.0])
+    imu = samples_of(time_s, qt.multiply(qt.exp_map(turn), qt.exp_map(swing)), noise=1.0)
+    assert find_rests(imu, SETTINGS) == ()

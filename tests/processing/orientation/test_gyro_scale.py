@@ -26,9 +26,9 @@ def scale_of(imu):
 @pytest.mark.parametrize("factor", [1.0, -1.0, 0.3])
 def test_the_error_along_the_spin_axis_is_found_within_a_hundredth_of_a_per_cent(factor):
     imu, _, axis_s = rolling(scale_error=factor * ERROR)
-    along = axis_s**2
     found = scale_of(imu)
-    assert along @ (found.gyr_scale - 1.0) == pytest.approx(along @ (factor * ERROR), abs=1e-4)
+    error = axis_s @ (found.gyr_matrix - np.eye(3)) @ axis_s
+    assert error == pytest.approx(factor * axis_s**2 @ ERROR, abs=1e-4)
 
 
 def test_the_heading_drift_shrinks_to_a_tenth_and_the_operator_is_told():
@@ -47,19 +47,48 @@ def test_the_heading_drift_shrinks_to_a_tenth_and_the_operator_is_told():
 
 def test_a_right_gyro_is_left_alone():
     imu, _, _ = rolling()
-    scale = scale_of(imu).gyr_scale
-    assert np.abs(scale - 1.0).max() < 2e-4
+    matrix = scale_of(imu).gyr_matrix
+    assert np.abs(matrix - np.eye(3)).max() < 2e-4
 
 
 def test_a_device_that_does_not_roll_tells_nothing():
     time_s = np.arange(0.0, 60.0, 0.01)
     wobble = 0.2 * np.sin(time_s)[:, None] * np.array([1.0, 0.3, 0.5])
     imu = samples_of(time_s, qt.exp_map(wobble), noise=1.0)
-    np.testing.assert_array_equal(scale_of(imu).gyr_scale, 1.0)
+    np.testing.assert_array_equal(scale_of(imu).gyr_matrix, np.eye(3))
 
 
 def test_carried_devices_are_not_asked():
     imu, _, _ = rolling(60.0, scale_error=ERROR)
     survey = Survey(device=DeviceInfo(motion=Motion.CARRIED))
     _, calibration, _ = estimate_attitude(imu, survey, SETTINGS, silent())
-    np.testing.assert_array_equal(calibration.gyr_scale, 1.0)
+    np.testing.assert_array_equal(calibration.gyr_matrix, np.eye(3))
+
+
+def test_a_ball_that_has_turned_about_many_axes_shows_the_whole_error():
+    rng = np.random.default_rng(3)
+    error = 0.005 * np.array([[0.9, 0.4, -0.3], [0.4, -0.7, 0.5], [-0.3, 0.5, 0.8]])
+    time_s = np.arange(0.0, 400.0, 0.01)
+    # twenty spells of rolling, each about another axis of the sensor that lies level in the world
+    quat_ws = np.empty((len(time_s), 4))
+    q = np.array(qt.IDENTITY)
+    for spell in range(20):
+        rows = slice(2000 * spell, 2000 * (spell + 1))
+        heading = rng.uniform(0.0, 2.0 * np.pi)
+        axis_w = np.array([np.cos(heading), np.sin(heading), 0.02])
+        speed = 8.0 * np.clip(np.minimum(np.arange(2000) / 100.0, (2000 - np.arange(2000)) / 100.0), 0.0, 1.0)
+        quat_ws[rows] = qt.multiply(qt.exp_map((np.cumsum(speed) * 0.01)[:, None] * axis_w), q)
+        q = quat_ws[rows][-1]
+    imu = samples_of(time_s, quat_ws, noise=1.0)
+    imu = replace(imu, gyr_s_radps=imu.gyr_s_radps @ np.linalg.inv(np.eye(3) + error).T)
+    found = scale_of(imu)
+    # what turns with the ball averages out, so only the symmetric part is seen well
+    symmetric = 0.5 * (found.gyr_matrix + found.gyr_matrix.T) - np.eye(3)
+    np.testing.assert_allclose(symmetric, error, atol=4e-4)
+    assert np.diag(found.gyr_matrix_sigma).max() < 1e-3
+
+
+def test_the_sigma_says_that_a_fixed_spin_axis_shows_no_single_scale():
+    imu, _, _ = rolling(scale_error=ERROR)
+    found = scale_of(imu)
+    assert np.all(np.diag(found.gyr_matrix_sigma) > 2e-3)
