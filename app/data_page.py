@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 from processing.survey import Finding, Stretch, Survey
 from widgets.findings_panel import FindingsPanel
 from widgets.import_preview import ImportPreview, PreviewedFile
+from widgets.method_panel import MethodRow
 from widgets.survey_form import SurveyForm
 from widgets.tie_point_panel import TiePointPanel
 
@@ -29,7 +30,7 @@ class DataPage(QWidget):
     process_asked = Signal()
     survey_edited = Signal(object, str)  # Survey, what was edited: "form" or "tie_points"
 
-    def __init__(self, language: str, methods: dict[str, tuple[str, ...]], parent: QWidget | None = None) -> None:
+    def __init__(self, language: str, methods: dict[str, tuple[MethodRow, ...]], parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._survey = Survey()
         self.preview = ImportPreview()

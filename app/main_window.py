@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 
 from app import actions, appearance
 from app.actions import ACTIONS, PAGE_TITLES, Needs, Page
+from app.comparison_control import ComparisonControl
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.files_control import FilesControl
@@ -80,6 +81,9 @@ class MainWindow(QMainWindow):
         self.files = FilesControl(
             self._session, services.jobs, self._preferences, self.data_page, lambda: self.boxes, self
         )
+        self.comparison = ComparisonControl(
+            self._session, services.jobs, self.review_page.methods, self.review_page.path, language, self
+        )
         self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
         self.help = HelpControl(self, services.log_file)
         self.actions_by_id = actions.build(self, self)
@@ -95,7 +99,7 @@ class MainWindow(QMainWindow):
 
     def _build_pages(self) -> None:
         self.start_page = StartPage()
-        self.data_page = DataPage(self._language, methods())
+        self.data_page = DataPage(self._language, methods(self._language))
         self.review_page = ReviewPage(self._session.cursor, self._theme)
         self.report_panel = ReportPanel(self._language)
         self._stack = QStackedWidget()
@@ -171,6 +175,7 @@ class MainWindow(QMainWindow):
         self.files.page_asked.connect(self.show_page)
         self.files.told.connect(self._tell)
         self.report.told.connect(self._tell)
+        self.comparison.reprocess_asked.connect(self.files.reprocess)
         self.player.failed.connect(self._tell_error)
         self.review_page.band_changed.connect(self.files.change_band)
         self.files.band_settled.connect(self.review_page.spectrogram.set_band)

@@ -12,12 +12,14 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidget
 
 from app import view_data
+from app.path_tools import PathTools
 from processing.survey import TiePoint
 from widgets.candidate_table import CandidateRow, CandidateTable
 from widgets.decision_panel import DecisionPanel
 from widgets.imu_view import ImuView
 from widgets.level_view import LevelView
 from widgets.linked_plot import Readout
+from widgets.method_panel import MethodPanel
 from widgets.overview_strip import OverviewStrip
 from widgets.path_view import PathView
 from widgets.playback_bar import PlaybackBar
@@ -54,6 +56,7 @@ class ReviewPage(QWidget):
         self.table = CandidateTable(theme)
         self.decision = DecisionPanel(theme)
         self.playback = PlaybackBar()
+        self.methods = MethodPanel()
         self._readout = QLabel()
         self._readout.setObjectName("readout")
         self._readout.setTextFormat(Qt.TextFormat.PlainText)
@@ -75,13 +78,15 @@ class ReviewPage(QWidget):
         self._strips = _splitter(
             Qt.Orientation.Vertical, "strips", self.overview, self.spectrogram, self.level, self.imu
         )
+        self.tools = PathTools(self._strips, self.tr("Motion"))
+        self.tools.add_tool("methods", self.tr("Methods"), self.methods)
         side = QWidget()
         layout = QVBoxLayout(side)
         layout.setContentsMargins(4, 0, 0, 0)
         layout.addWidget(self.table, 1)
         layout.addWidget(self.decision)
         self._side = side
-        self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, self._strips, side)
+        self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, self.tools, side)
         foot = QHBoxLayout()
         foot.addWidget(self.playback, 1)
         foot.addWidget(self._readout)
@@ -103,7 +108,7 @@ class ReviewPage(QWidget):
         path, leaks = arrangement == "path", arrangement == "leaks"
         self._maps.setVisible(arrangement != "sound")
         self._side.setVisible(not path)
-        self._strips.setVisible(True)
+        self.tools.set_tabs_shown(path)
         self.spectrogram.setVisible(not path)
         self.imu.setVisible(not leaks)
         self.level.set_x_axis_visible(leaks)

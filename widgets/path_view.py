@@ -13,6 +13,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QResizeEvent, QWheelEve
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Decision, FloatArray, Stretch, TiePoint, Track
+from widgets.compared_paths import ComparedLines, ComparedPath
 from widgets.linked_plot import DRAG_PIXELS, ZOOM_STEP
 from widgets.path_items import BAND_Z, PathLines
 from widgets.path_paint import (
@@ -91,7 +92,7 @@ class PathView(QWidget):
         self._plot.layout.setContentsMargins(0.0, 0.0, 0.0, 0.0)
         self._canvas.setCentralItem(self._plot)
         self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.STROKES)
-        self._lines = PathLines(self._plot.vb)
+        self._lines, self._compared = PathLines(self._plot.vb), ComparedLines(self._plot.vb)
         self._band_item = PaintedItem(None, self._paint_interval, BAND_Z, Keep.STROKES)
         self._plot.vb.addItem(self._band_item, ignoreBounds=True)
         self._places = PaintedItem(self._plot, self._paint_places, 10.0, Keep.PIXELS)
@@ -107,6 +108,11 @@ class PathView(QWidget):
     def set_route(self, route_w_m: FloatArray | None) -> None:
         """Show the pipe as the map has it: (n, 2 or 3), local east and north."""
         self._route = np.empty((0, 2)) if route_w_m is None else np.asarray(route_w_m, dtype=np.float64)[:, :2]
+        self._refit()
+
+    def set_compared(self, paths: Sequence[ComparedPath]) -> None:
+        """Show the paths that other methods found."""
+        self._compared.set_paths(paths)
         self._refit()
 
     def set_tie_points(self, tie_points: Sequence[TiePoint], to_local: ToLocal | None = None) -> None:
@@ -155,7 +161,11 @@ class PathView(QWidget):
     def fit(self) -> None:
         """Show everything."""
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
-        places = [self._route, np.array([(p.east_m, p.north_m) for p in self._tie_pins]).reshape(-1, 2)]
+        places = [
+            self._route,
+            self._compared.places,
+            np.array([(p.east_m, p.north_m) for p in self._tie_pins]).reshape(-1, 2),
+        ]
         if self._path is not None:
             places.append(self._path.plane_m[self._path.levels[-1]])
         self._fitted = True
@@ -244,6 +254,7 @@ class PathView(QWidget):
         self._plot.vb.setRange(xRange=(west, east), yRange=(south, north), padding=0.0, disableAutoRange=False)
         self._lines.show_route(self._route, self._scale, self._theme)
         self._lines.show_path(self._path, self._scale, self._theme, self._cursor.range_s, self._stretches)
+        self._compared.show(self._scale, self._theme)
         self._band_item.renew(QRectF(west, south, east - west, north - south))
         for item in (self._ground, self._places, self._device):
             item.renew(QRectF(self.rect()))
@@ -296,6 +307,7 @@ class PathView(QWidget):
             labels.write(str(candidate.id), centre, radius + 3, strong=candidate.id == self._marks.selected)
         for pin, centre in pins:
             labels.write(pin.name, centre, radius + 3)
+        self._compared.paint_names(painter, labels, self._scale, self._theme)
 
     def _end_pins(self) -> tuple[Pin, ...]:
         if self._path is None:

@@ -7,16 +7,17 @@ from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtWidgets import QComboBox, QFormLayout, QGroupBox, QLabel, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
 from processing.survey import Motion, Survey
+from widgets.method_panel import MethodRow
 from widgets.optional_number import OptionalNumber
 from widgets.vocabulary import motion_text
 
 
 class SurveyForm(QWidget):
-    """``methods`` gives the choices of each processing step: ``{"orientation": ("auto", "vqf", …), …}``."""
+    """``methods`` gives the choices of each processing step, ``auto`` first: ``{"orientation": (row, …), …}``."""
 
     survey_changed = Signal(object)  # Survey
 
-    def __init__(self, methods: dict[str, tuple[str, ...]], parent: QWidget | None = None) -> None:
+    def __init__(self, methods: dict[str, tuple[MethodRow, ...]], parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._survey = Survey()
         self._quiet = False
@@ -106,13 +107,17 @@ class SurveyForm(QWidget):
             (self.tr("Clock drift (ppm)"), self._drift),
         )
 
-    def _method_box(self, methods: dict[str, tuple[str, ...]]) -> QGroupBox:
+    def _method_box(self, methods: dict[str, tuple[MethodRow, ...]]) -> QGroupBox:
         self._orientation, self._position = self._combo("orientation"), self._combo("position")
         self._detector = self._combo("detector")
         self._methods = {"orientation": self._orientation, "position": self._position, "detector": self._detector}
         for step, combo in self._methods.items():
-            for method in methods.get(step, ("auto",)):
-                combo.addItem(self.tr("automatic") if method == "auto" else method, method)
+            for method in methods[step]:
+                combo.addItem(self.tr("automatic") if method.name == "auto" else method.title, method.name)
+                combo.setItemData(combo.count() - 1, method.words, Qt.ItemDataRole.ToolTipRole)
+            # a long title must not widen the whole form
+            combo.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+            combo.setMinimumContentsLength(18)
         return self._box(
             self.tr("Method"),
             (self.tr("Orientation"), self._orientation),

@@ -8,11 +8,15 @@ from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QPushButton
 
 from processing.survey import AudioInfo, Launch, Motion, PipeInfo, Survey, SurveyInfo, TiePoint
+from widgets.method_panel import MethodRow
 from widgets.optional_number import OptionalNumber, number_text, parse_number
 from widgets.survey_form import SurveyForm
 from widgets.tie_point_panel import FIELDS, TiePointPanel
 
-METHODS = {"orientation": ("auto", "vqf"), "position": ("auto", "rolling"), "detector": ("auto",)}
+METHODS = {
+    step: tuple(MethodRow(name, name.title(), f"All about {name}.") for name in names)
+    for step, names in {"orientation": ("auto", "vqf"), "position": ("auto", "rolling"), "detector": ("auto",)}.items()
+}
 FULL = Survey(
     info=SurveyInfo("Station Road", "A. Şahin", "2026-05-04", "İSKİ", simulated=True),
     pipe=PipeInfo("ductile iron", 0.30, 1204.0),
