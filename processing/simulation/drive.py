@@ -56,9 +56,10 @@ class _Phase:
         speed, way, acc = np.ones_like(u), u.copy(), np.zeros_like(u)
         for cycles, share in zip(self.cycles, self.shares):
             w = 2 * np.pi * cycles
+            cos = np.cos(w * u)
             speed += share * np.sin(w * u)
-            way += share * (1 - np.cos(w * u)) / w
-            acc += share * w * np.cos(w * u)
+            way += share * (1 - cos) / w
+            acc += share * w * cos
         under_way = np.full_like(u, float(v > 0))
         zeros = np.zeros_like(u)
         return Going(self.chainage_m + v * T * way, v * speed, v / max(T, 1e-12) * acc, under_way, zeros, zeros)
@@ -74,9 +75,13 @@ class DrivePlan:
         legs = np.diff([0.0, *(s.chainage_m for s in stops), length_m])
         rests = [drive.rest_start_s, *(s.duration_s for s in stops), drive.rest_end_s]
         self._phases: list[_Phase] = []
+        self._stuck: list[tuple[float, float, float]] = []  # start, duration, rate
         clock, chainage = 0.0, 0.0
-        for rest, leg in zip(rests, [*legs, None]):
+        spins = [0.0, *(s.spin_radps for s in stops), 0.0]
+        for rest, leg, spin in zip(rests, [*legs, None], spins):
             self._phases.append(_still(clock, rest, chainage))
+            if spin > 0.0:
+                self._stuck.append((clock, rest, spin))
             clock += rest
             if leg is not None and leg > 0:
                 moved = _move(drive, clock, chainage, float(leg), rng)
@@ -91,11 +96,22 @@ class DrivePlan:
         t = np.asarray(t, dtype=np.float64)
         which = np.clip(np.searchsorted(self._starts, t, side="right") - 1, 0, len(self._starts) - 1)
         out = Going(*(np.empty(len(t)) for _ in range(6)))
-        for index in np.unique(which):
+        for index in np.flatnonzero(np.bincount(which)):
             here = which == index
             part = self._phases[index].going(t[here])
             for name in vars(part):
                 getattr(out, name)[here] = getattr(part, name)
+        return out
+
+    def turning_on_the_spot(self, t: FloatArray) -> FloatArray | None:
+        """Return the rate (n,) at which a stuck ball turns at times ``t`` (n,); None where it never does."""
+        if not self._stuck:
+            return None
+        out = np.zeros(len(t))
+        for start, duration, rate in self._stuck:
+            ramp = min(1.0, 0.25 * duration)
+            within = np.minimum(t - start, start + duration - t) / ramp
+            out += rate * step(np.clip(within, 0.0, 1.0))
         return out
 
 

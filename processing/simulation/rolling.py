@@ -15,12 +15,14 @@ from processing.simulation.drive import DrivePlan
 from processing.simulation.motion import GRAVITY_MPS2, TrueMotion, chained, rates_from_turns
 from processing.simulation.route import RoutePoints, SmoothRoute
 from processing.simulation.scenario import Ball
+from processing.simulation.smooth import step
 from processing.simulation.wander import Wander, gauss_markov
 from processing.survey import FloatArray
 
 _UP = np.array([0.0, 0.0, 1.0])
-_INNER_RATE_HZ = 400.0  # Magnus steps: the error of fourth order is below 1e-9 rad a second at 20 rad/s
+INNER_RATE_HZ = 400.0  # Magnus steps: the error of fourth order is below 1e-9 rad a second at 20 rad/s
 _BLOCK = 40_000  # IMU samples at a time: bounds the memory
+_SLIDE_RAMP_M = 0.3  # over which rolling goes over into sliding
 _H = 5e-4  # half the span of the central difference for ω̇; ω is smooth over tens of milliseconds
 
 
@@ -34,18 +36,31 @@ class Rolling:
     slip: Wander
     spin: Wander
 
-    def rolled_mps(self, t: FloatArray) -> FloatArray:
-        """Return (n,) the speed at which the surface rolls: the speed without its slid part."""
-        return np.asarray(self.plan.at(t).speed_mps * (1 - self.slip(t)))
+    def _slid(self, t: FloatArray, chainage_m: FloatArray) -> FloatArray:
+        """Return the share (n,) of the way that is slid: the usual slip, and within a slide more."""
+        slip = self.slip(t)
+        for slide in self.ball.slides:
+            ramp = min(_SLIDE_RAMP_M, 0.5 * (slide.to_m - slide.from_m))
+            within = np.minimum(chainage_m - slide.from_m, slide.to_m - chainage_m) / ramp
+            slip = slip + (1.0 - slip) * slide.share * step(np.clip(within, 0.0, 1.0))
+        return slip
 
     def rates_w(self, t: FloatArray) -> FloatArray:
         """Return (n, 3) the angular velocity in the world at times ``t`` (n,)."""
+        return self.turning(t)[0]
+
+    def turning(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return (n, 3) the angular velocity in the world, and (n,) the speed at which the surface rolls."""
         going = self.plan.at(t)
         where = self.route.points(going.chainage_m)
         normal = self._normal(where, going.speed_mps)
-        rolled = going.speed_mps * (1 - self.slip(t)) / self.ball.radius_m
+        rolled_mps = going.speed_mps * (1 - self._slid(t, going.chainage_m))
+        stuck = self.plan.turning_on_the_spot(t)
+        if stuck is not None:
+            rolled_mps = rolled_mps + stuck * self.ball.radius_m
+        rolled = rolled_mps / self.ball.radius_m
         spin = self.spin(t) * going.speed_mps / self.plan.nominal_mps
-        return np.asarray(rolled[:, None] * np.cross(normal, where.tangent_w) + spin[:, None] * normal)
+        return np.asarray(rolled[:, None] * np.cross(normal, where.tangent_w) + spin[:, None] * normal), rolled_mps
 
     def _normal(self, where: RoutePoints, speed_mps: FloatArray) -> FloatArray:
         """Contact normal: against gravity (and, banked, against the centrifugal force), square to the way."""
@@ -66,9 +81,14 @@ def rolling_of(ball: Ball, route: SmoothRoute, plan: DrivePlan, rng: np.random.G
 
 
 def roll(
-    rolling: Rolling, rate_hz: float, gyro_sampling: str, start_quat_ws: FloatArray, progress: Progress | None = None
+    rolling: Rolling,
+    rate_hz: float,
+    gyro_sampling: str,
+    start_quat_ws: FloatArray,
+    progress: Progress | None = None,
+    inner_rate_hz: float = INNER_RATE_HZ,
 ) -> TrueMotion:
-    """Return the true motion at ``rate_hz`` from time 0 to the end of the plan."""
+    """Return the true motion at ``rate_hz`` from time 0 to the end of the plan, integrated at ``inner_rate_hz``."""
     progress = progress or silent()
     count = int(np.floor(rolling.plan.duration_s * rate_hz)) + 1
     time_s = np.arange(count) / rate_hz
@@ -76,7 +96,7 @@ def roll(
     quats[0] = start_quat_ws
     for first in range(0, count - 1, _BLOCK):
         last = min(first + _BLOCK, count - 1)
-        q, phi = _attitudes(rolling, time_s[first : last + 1], quats[first])
+        q, phi = _attitudes(rolling, time_s[first : last + 1], quats[first], inner_rate_hz)
         quats[first + 1 : last + 1] = q
         turned[first + 1 : last + 1] = turned[first] + phi
         progress.update(0.5 * last / count)
@@ -87,17 +107,19 @@ def roll(
     return motion
 
 
-def _attitudes(rolling: Rolling, time_s: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _attitudes(
+    rolling: Rolling, time_s: FloatArray, start: FloatArray, inner_rate_hz: float
+) -> tuple[FloatArray, FloatArray]:
     """Return attitudes (n, 4) and rolled angle (n,) at ``time_s[1:]``, from attitude ``start`` at ``time_s[0]``."""
-    step = float(time_s[1] - time_s[0])
-    inner = max(int(np.ceil(_INNER_RATE_HZ * step)), 1)
-    h = step / inner
+    period = float(time_s[1] - time_s[0])
+    inner = max(int(np.ceil(inner_rate_hz * period)), 1)
+    h = period / inner
     lefts = (time_s[:-1, None] + h * np.arange(inner)).ravel()
     nodes = [lefts + (0.5 + sign * np.sqrt(3) / 6) * h for sign in (-1, 1)]
-    first, second = (rolling.rates_w(t) for t in nodes)
+    (first, rolled0), (second, rolled1) = (rolling.turning(t) for t in nodes)
     theta = 0.5 * h * (first + second) - np.sqrt(3) / 12 * h**2 * np.cross(first, second)
     quats = chained(qt.exp_map(theta), start)[inner - 1 :: inner]
-    rolled = 0.5 * h * (rolling.rolled_mps(nodes[0]) + rolling.rolled_mps(nodes[1])) / rolling.ball.radius_m
+    rolled = 0.5 * h * (rolled0 + rolled1) / rolling.ball.radius_m
     return quats, np.cumsum(rolled)[inner - 1 :: inner]
 
 

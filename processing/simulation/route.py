@@ -123,7 +123,7 @@ class SmoothRoute:
         s = np.clip(np.asarray(s_m, dtype=np.float64), 0.0, self.length_m)
         which = np.clip(np.searchsorted(self._starts, s, side="right") - 1, 0, len(self._pieces) - 1)
         out = RoutePoints(*(np.empty((len(s), 3)) for _ in range(3)))
-        for index in np.unique(which):
+        for index in np.flatnonzero(np.bincount(which)):
             here = which == index
             part = self._pieces[index].points(s[here] - self._starts[index])
             out.position_w_m[here] = part.position_w_m

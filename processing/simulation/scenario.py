@@ -27,10 +27,14 @@ class PipeRoute:
 
 @dataclass(frozen=True)
 class Stop:
-    """The device stands still at ``chainage_m`` for ``duration_s``."""
+    """The device stands still at ``chainage_m`` for ``duration_s``.
+
+    With ``spin_radps`` a ball is stuck there and turns on the spot, as if it rolled on.
+    """
 
     chainage_m: float
     duration_s: float
+    spin_radps: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,15 @@ class Drive:
 
 
 @dataclass(frozen=True)
+class Slide:
+    """Between two chainages the ball floats or is pushed: ``share`` of the way is slid on top of the usual slip."""
+
+    from_m: float
+    to_m: float
+    share: float = 1.0
+
+
+@dataclass(frozen=True)
 class Ball:
     """A rolling ball: slip = share of the way that is slid, not rolled; spin turns about the contact normal."""
 
@@ -59,6 +72,7 @@ class Ball:
     spin_tau_s: float = 6.0
     bank: bool = True  # in bends it climbs the wall until the contact force is normal to it
     told_radius_m: float | None = None  # what the technician measured; None: the true radius
+    slides: tuple[Slide, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -140,6 +154,11 @@ class Imu:
     gyro_misalignment_sigma_rad: float = 1e-3
     gyro_range_radps: float = 34.9  # 2000 °/s
     gyro_step_radps: float = 1e-5
+    gyro_instability_radps: float = 0.0  # flicker noise: the floor of its Allan deviation
+    gyro_scale_range: tuple[float, float] = (0.0, 0.0)  # instead of the sigma: even between these, either sign
+    gyro_misalignment_range_rad: tuple[float, float] = (0.0, 0.0)
+    gyro_g_sensitivity: float = 0.0  # rad/s per m/s² (1 °/s/g: 1.78e-3), each of the nine entries
+    latitude_deg: float | None = None  # where Earth's own rotation is felt; None: nowhere
     acc_noise: float = 2e-3  # m/s²/√Hz (200 µg/√Hz)
     acc_bias_sigma_mps2: float = 0.03
     acc_walk: float = 5e-5  # m/s²/√s
@@ -233,6 +252,8 @@ class Joints:
     spacing_sigma_m: float = 0.25
     bump_mps2: float = 4.0  # at nominal speed, median of a log-normal
     bump_dbfs: float = -16.0
+    magnetic_ut: float = 0.0  # the field of a joint's iron where the ball passes it, median of a log-normal
+    magnetic_half_width_m: float = 0.25
 
 
 @dataclass(frozen=True)

@@ -32,14 +32,14 @@ def test_white_noise_of_a_sample_is_the_density_times_the_root_of_the_rate():
 def test_turn_on_bias_differs_from_run_to_run_with_the_stated_spread():
     short = replace(RESTING, drive=Drive(rest_start_s=1.0, rest_end_s=1.0), imu=Imu.perfect(20.0))
     short = replace(short, imu=replace(short.imu, gyro_bias_sigma_radps=5e-3))
-    biases = np.array([simulate(short, seed).imu.gyr_s_radps[5] for seed in range(120)])
+    biases = np.array([simulate(short, seed, quick=True).imu.gyr_s_radps[5] for seed in range(120)])
     assert biases.std() == pytest.approx(5e-3, rel=0.12)
 
 
 def test_the_bias_walks_as_the_root_of_time():
     ends = []
     for seed in range(40):
-        gyr = simulate(with_imu(gyro_walk=1e-3), seed).imu.gyr_s_radps
+        gyr = simulate(with_imu(gyro_walk=1e-3), seed, quick=True).imu.gyr_s_radps
         ends += list(gyr[100 * 200] - gyr[0])
     assert np.std(ends) == pytest.approx(1e-3 * np.sqrt(100), rel=0.2)
 
