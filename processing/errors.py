@@ -40,6 +40,13 @@ class ErrorCode(StrEnum):
     PATH_IMPOSSIBLE = "path_impossible"
     REPORT_FAILED = "report_failed"
     SCENARIO_UNKNOWN = "scenario_unknown"
+    ROUTE_FORMAT_UNKNOWN = "route_format_unknown"
+    ROUTE_DAMAGED = "route_damaged"
+    ROUTE_EMPTY = "route_empty"
+    ROUTE_TOO_MANY = "route_too_many"
+    ROUTE_NOT_ONE_LINE = "route_not_one_line"
+    ROUTE_NEEDS_CRS = "route_needs_crs"
+    ROUTE_OUTSIDE_CRS = "route_outside_crs"
 
 
 @dataclass(frozen=True)
