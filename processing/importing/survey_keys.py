@@ -181,7 +181,7 @@ TIE_POINT: Mapping[str, Kind] = {
     "enabled": Flag(),
 }
 
-ROUTE: Mapping[str, Kind] = {"crs": Text(1000), "sigma_m": _SIGMA}
+ROUTE: Mapping[str, Kind] = {"crs": Text(1000), "sigma_m": _SIGMA, "file": Text(1000)}
 COORDINATE = _METRES
 
 

@@ -67,8 +67,9 @@ def read_survey_with_findings(path: Path) -> tuple[Survey, tuple[Finding, ...]]:
     survey = Survey(
         **parts,
         tie_points=_tie_points(path, text, document.get("tie_points", []), unknown),
-        route=_route(path, text, document["route"], unknown) if "route" in document else None,
     )
+    if "route" in document:
+        survey = replace(survey, route=_route(path, text, document["route"], unknown, survey))
     _check_pair(path, text, "launch", 0, survey.launch)
     if not unknown:
         return survey, ()
@@ -143,10 +144,15 @@ def _check_pair(path: Path, text: str, table: str, nth: int, place: TiePoint | L
             raise LeaklineError(ErrorCode.KEY_MISSING, here, name=f"{table}.{missing}")
 
 
-def _route(path: Path, text: str, given: object, unknown: list[str]) -> Route:
+def _route(path: Path, text: str, given: object, unknown: list[str], survey: Survey) -> Route:
     plain = {k: v for k, v in given.items() if k != "points"} if isinstance(given, dict) else given
     values: dict[str, Any] = _values(path, text, "route", plain, keys.ROUTE, unknown)
     points = given.get("points") if isinstance(given, dict) else None
+    file = values.pop("file", None)
+    if file and points is None:
+        from processing.importing.route_files.told import told_route
+
+        return told_route(path, keys.place_of(path, text, "route", "file"), file, values, survey)
     here = keys.place_of(path, text, "route", "points")
     if points is None:
         raise LeaklineError(ErrorCode.KEY_MISSING, keys.place_of(path, text, "route"), name="route.points")

@@ -69,6 +69,13 @@ def route_from(line: Section, choice: RouteChoice, survey: Survey) -> BuiltRoute
     return replace(built, findings=built.findings + extra)
 
 
+def map_scale(crs: str | None, unit_m: float | None, points: FloatArray) -> tuple[float, float]:
+    """Return about how many metres one unit of x and of y is; ``crs`` None: nobody has told yet."""
+    if crs is None or crs == FROM_LAUNCH or is_local(crs) or (unit_m is not None and not is_degrees(crs)):
+        return unit_m or 1.0, unit_m or 1.0
+    return metres_scale(crs, points)
+
+
 def _in_grid(line: Section, choice: RouteChoice, survey: Survey) -> tuple[FloatArray, str]:
     points = line.points.copy()
     if choice.swap:
