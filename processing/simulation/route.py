@@ -180,13 +180,18 @@ def centre_line(pipe: PipeRoute) -> SmoothRoute:
 def route_of_length(points_m: FloatArray, bend_radius_m: float, length_m: float | None) -> SmoothRoute:
     """Return the rounded line, scaled about its first point until it is ``length_m`` long (None: as it is)."""
     points = np.asarray(points_m, dtype=np.float64)
-    route = SmoothRoute(points, bend_radius_m)
     if length_m is None:
-        return route
-    scale = 1.0
+        return SmoothRoute(points, bend_radius_m)
+    return SmoothRoute(scaled_to_length(points, bend_radius_m, length_m), bend_radius_m)
+
+
+def scaled_to_length(points_m: FloatArray, bend_radius_m: float, length_m: float) -> FloatArray:
+    """Return the points, scaled about the first, whose rounded line is ``length_m`` long."""
+    points = np.asarray(points_m, dtype=np.float64)
+    route, scale = SmoothRoute(points, bend_radius_m), 1.0
     for _ in range(60):  # what rounding cuts off does not grow with the scale: a contraction, far below 1e-10 in 60
         scale *= length_m / route.length_m
         route = SmoothRoute(points[0] + scale * (points - points[0]), bend_radius_m)
         if abs(route.length_m - length_m) < 1e-10 * length_m:
             break
-    return route
+    return np.asarray(points[0] + scale * (points - points[0]))
