@@ -103,6 +103,11 @@ def to_degrees(points: FloatArray, crs: str) -> FloatArray:
     return _moved(points, crs, WGS84)
 
 
+def from_degrees(degrees: FloatArray, crs: str) -> FloatArray:
+    """Return x and y (n, 2) in a system of longitude and latitude in WGS 84 (n, 2)."""
+    return _moved(np.column_stack([degrees, np.zeros(len(degrees))]), WGS84, crs)[:, :2]
+
+
 def transformed(lines: Iterable[RouteLineString], crs: str, other: str) -> list[RouteLineString]:
     """Return the lines in another system."""
     return [replace(line, points=_moved(line.points, crs, other)) for line in lines]

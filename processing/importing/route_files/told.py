@@ -1,4 +1,4 @@
-"""The route that survey.toml names by a file: ``[route] file = "main.gpkg"``, with ``crs`` and ``sigma_m`` if needed."""
+"""The route that survey.toml names by a file: ``[route] file = "main.gpkg"``, and ``crs`` and ``sigma_m`` if needed."""
 
 from collections.abc import Mapping
 from pathlib import Path
