@@ -101,6 +101,9 @@ class OrientationSettings:
     gyro_scale: str = choice(
         "auto", ("auto", "off"), "auto finds the scale along a rolling ball's spin axis (navigation §4.4)"
     )
+    accelerometer: str = choice(
+        "auto", ("auto", "off"), "auto finds its offset, scale and place in the ball where these help (navigation §6.2)"
+    )
     # error-state filter: chosen on half of BROAD's trials, a broad minimum; the other half was as good
     eskf_gyr_noise_dps_rthz: float = tunable(
         0.35, "°/s/√Hz", 0.0001, 10.0, "not sensor noise but scale and misalignment while it turns; least total RMSE"

@@ -15,6 +15,7 @@ from processing.survey import Finding, FloatArray, ImuSamples, Launch, Severity
 STANDARD_GRAVITY_MPS2 = 9.80665
 _INSTABILITY_RADPS = np.radians(0.003)  # a rest, however long, tells the bias no better (navigation §6.2)
 _WALK_RADPS_RTS = np.radians(3e-3)  # bias random walk of consumer MEMS (navigation §6.4)
+_SLOPE_S = 0.1
 _UNKNOWN_RADPS = np.radians(1.0)  # 1 sigma of an offset that nobody measured (navigation §6.2)
 
 
@@ -36,6 +37,13 @@ class Calibration:
     gravity_mps2: float = STANDARD_GRAVITY_MPS2  # mean |a| at rest: the unit of the accelerometer in this run
     gyr_matrix: FloatArray = field(default_factory=lambda: np.eye(3))  # scale, and misalignment off the diagonal
     gyr_matrix_sigma: FloatArray = field(default_factory=lambda: np.full((3, 3), np.nan))
+    acc_matrix: FloatArray = field(default_factory=lambda: np.eye(3))  # measured = matrix · true + bias + arm's share
+    acc_matrix_sigma: FloatArray = field(default_factory=lambda: np.full((3, 3), np.nan))
+    acc_bias_mps2: FloatArray = field(default_factory=lambda: np.zeros(3))
+    acc_bias_sigma_mps2: FloatArray = field(default_factory=lambda: np.full(3, np.nan))
+    lever_arm_m: FloatArray = field(default_factory=lambda: np.zeros(3))  # of the sensor from the centre of the ball
+    lever_arm_sigma_m: FloatArray = field(default_factory=lambda: np.full(3, np.nan))
+    acc_basis: str = "none"  # rolling | rests | none
 
     @property
     def gyr_scale(self) -> FloatArray:
@@ -57,6 +65,34 @@ class Calibration:
         """Return angular rates (m, 3) with offset, scale and misalignment taken off."""
         bias = self.bias_radps[0] if len(self.bias_time_s) == 1 else self.bias_at(time_s)
         return np.asarray((gyr_s_radps - bias) @ self.gyr_matrix.T, dtype=np.float64)
+
+    def force(self, acc_s_mps2: FloatArray, gyr_s_radps: FloatArray, time_s: FloatArray) -> FloatArray:
+        """Return the specific force (m, 3) at the centre of the device, without the accelerometer's own errors.
+
+        ``gyr_s_radps`` (m, 3) are corrected rates at ``time_s`` (m,). Uncalibrated it is ``acc_s_mps2`` itself.
+        """
+        if self.acc_basis == "none":
+            return acc_s_mps2
+        felt = acc_s_mps2 - self.acc_bias_mps2
+        if np.any(self.lever_arm_m != 0.0) and len(time_s) > 1:
+            felt = felt - felt_at_arm(gyr_s_radps, slope_of(gyr_s_radps, time_s), self.lever_arm_m)
+        return np.asarray(felt @ np.linalg.inv(self.acc_matrix).T, dtype=np.float64)
+
+
+def slope_of(rate_radps: FloatArray, time_s: FloatArray) -> FloatArray:
+    """Return ``ω̇`` (m, 3) of rates smoothed over a tenth of a second: unsmoothed, it is the gyro's noise."""
+    from scipy.ndimage import uniform_filter1d
+
+    period = float(np.median(np.diff(time_s)))
+    width = max(min(round(_SLOPE_S / period), len(time_s)), 1) if period > 0.0 else 1
+    smooth = uniform_filter1d(rate_radps, width | 1, axis=0, mode="nearest")
+    return np.asarray(np.gradient(smooth, time_s, axis=0), dtype=np.float64)
+
+
+def felt_at_arm(rate_radps: FloatArray, slope_radps2: FloatArray, arm_m: FloatArray) -> FloatArray:
+    """Return ``ω̇ × l + ω × (ω × l)`` (m, 3): what a sensor off the centre feels of the turning."""
+    outward = np.cross(rate_radps, np.cross(rate_radps, arm_m))
+    return np.asarray(np.cross(slope_radps2, arm_m) + outward, dtype=np.float64)
 
 
 def calibrate(imu: ImuSamples, settings: OrientationSettings) -> Calibration:

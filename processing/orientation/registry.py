@@ -9,6 +9,7 @@ import numpy as np
 from processing.errors import ErrorCode, LeaklineError
 from processing.orientation import kernels, kernels_ekf7
 from processing.orientation import quaternions as qt
+from processing.orientation.accelerometer import accelerometer_findings, calibrate_at_rests, calibrate_rolling
 from processing.orientation.calibration import Calibration, calibrate, calibration_findings
 from processing.orientation.direct import acc_mag, device, device_disagrees, device_turns_the_other_way
 from processing.orientation.ekf7 import ekf7
@@ -114,9 +115,17 @@ def _calibrate(imu: ImuSamples, survey: Survey, settings: OrientationSettings, p
     if calibration.basis == "none":
         bias, sigma = bias_in_motion(trusted_samples(imu, calibration, settings, None))
         calibration = replace(calibration, bias_radps=bias[None], bias_sigma_radps=sigma[None], basis="motion")
-    if survey.device.motion is Motion.ROLLING and settings.gyro_scale == "auto":
-        calibration = calibrate_scale(trusted_samples(imu, calibration, settings, None), progress.part(0.05, 0.2))
-    return calibration
+    if survey.device.motion is not Motion.ROLLING:
+        return calibrate_at_rests(calibration) if settings.accelerometer == "auto" else calibration
+    samples = trusted_samples(imu, calibration, settings, None)
+    if settings.gyro_scale == "auto":
+        samples = replace(samples, calibration=calibrate_scale(samples, progress.part(0.05, 0.11)))
+    if settings.accelerometer == "auto":
+        samples = replace(samples, calibration=calibrate_rolling(samples, progress.part(0.11, 0.14)))
+        if settings.gyro_scale == "auto" and samples.calibration.acc_basis != "none":
+            # gravity is seen better now, and the scale with it
+            samples = replace(samples, calibration=calibrate_scale(samples, progress.part(0.14, 0.2)))
+    return samples.calibration
 
 
 def _has_no_gyro(imu: ImuSamples) -> bool:
@@ -148,6 +157,7 @@ def _sensor_findings(samples: TrustedSamples, chosen: Estimator, verdict: Magnet
     if np.any(scale != 1.0):
         x, y, z = (float(v) for v in 100.0 * (scale - 1.0))
         found.append(Finding("gyro_scale_found", Severity.INFO, {"x_pct": x, "y_pct": y, "z_pct": z}))
+    found += accelerometer_findings(samples.calibration)
     return found
 
 

@@ -77,7 +77,8 @@ class TrustedSamples:
         if first:
             turn, gap = np.vstack([np.zeros((1, 3)), turn]), np.concatenate([[0.0], gap])
         inner = slice(0 if first else 1, None)
-        acc = np.ascontiguousarray(self.imu.acc_s_mps2[index][inner] / self.calibration.gravity_mps2)
+        force = self.calibration.force(np.asarray(self.imu.acc_s_mps2[index], dtype=np.float64), gyr, time)
+        acc = np.ascontiguousarray(force[inner] / self.calibration.gravity_mps2)
         deviation = (np.linalg.norm(acc, axis=1) - 1.0) / self.settings.acc_deviation_g
         mag, mag_weight = self._field(index, inner)
         return Block(

@@ -217,5 +217,5 @@ def main(root: Path, options: OrientationSettings) -> None:
 if __name__ == "__main__":
     told = OrientationSettings()
     if "--off" in sys.argv:
-        told = replace(told, gyro_scale="off")
+        told = replace(told, gyro_scale="off", accelerometer="off")
     main(Path(sys.argv[1]), told)

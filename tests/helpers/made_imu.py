@@ -60,6 +60,28 @@ def rolling(seconds=200.0, rate_hz=200.0, spin_radps=12.0, scale_error=(0.0, 0.0
     return imu, quat_ws, axis_s
 
 
+def rolling_about_many_axes(spells=20, spell_s=20.0, rate_hz=100.0, radius_m=0.1, seed=3):
+    """Return times, attitudes, angular rate and slope in the world (n, 3) and own acceleration of a ball that stops,
+    is turned another way and rolls on: each spell about another axis of the sensor, level to a hundredth."""
+    rng = np.random.default_rng(seed)
+    rows = int(spell_s * rate_hz)
+    time_s = np.arange(spells * rows) / rate_hz
+    quat_ws, rate_w, slope_w = (np.empty((len(time_s), k)) for k in (4, 3, 3))
+    q = qt.normalise(rng.standard_normal(4))
+    u = (np.arange(rows) + 0.5) / rows
+    speed = 9.0 * np.sin(np.pi * u) ** 2
+    slope = 9.0 * np.pi * np.sin(2.0 * np.pi * u) / spell_s
+    for spell in range(spells):
+        part = slice(spell * rows, (spell + 1) * rows)
+        heading = rng.uniform(0.0, 2.0 * np.pi)
+        axis_w = np.array([np.cos(heading), np.sin(heading), 0.02])
+        quat_ws[part] = qt.multiply(qt.exp_map((np.cumsum(speed) / rate_hz)[:, None] * axis_w), q)
+        rate_w[part], slope_w[part] = speed[:, None] * axis_w, slope[:, None] * axis_w
+        # between two spells a hand turns it, within one sample, too little to be felt
+        q = quat_ws[part][-1]
+    return time_s, quat_ws, rate_w, slope_w, radius_m * np.cross(slope_w, [0.0, 0.0, 1.0])
+
+
 def attitude_error_deg(quat_ws, truth_ws):
     """Return heading (unwrapped) and inclination errors in degrees, row by row."""
     error = qt.multiply(quat_ws, qt.conjugate(truth_ws))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_imu import attitude_error_deg, rolling, samples_of
+from made_imu import attitude_error_deg, rolling, rolling_about_many_axes, samples_of
 
 from processing.orientation import quaternions as qt
 from processing.orientation.calibration import calibrate
@@ -66,20 +66,9 @@ def test_carried_devices_are_not_asked():
 
 
 def test_a_ball_that_has_turned_about_many_axes_shows_the_whole_error():
-    rng = np.random.default_rng(3)
     error = 0.005 * np.array([[0.9, 0.4, -0.3], [0.4, -0.7, 0.5], [-0.3, 0.5, 0.8]])
-    time_s = np.arange(0.0, 400.0, 0.01)
-    # twenty spells of rolling, each about another axis of the sensor that lies level in the world
-    quat_ws = np.empty((len(time_s), 4))
-    q = np.array(qt.IDENTITY)
-    for spell in range(20):
-        rows = slice(2000 * spell, 2000 * (spell + 1))
-        heading = rng.uniform(0.0, 2.0 * np.pi)
-        axis_w = np.array([np.cos(heading), np.sin(heading), 0.02])
-        speed = 8.0 * np.clip(np.minimum(np.arange(2000) / 100.0, (2000 - np.arange(2000)) / 100.0), 0.0, 1.0)
-        quat_ws[rows] = qt.multiply(qt.exp_map((np.cumsum(speed) * 0.01)[:, None] * axis_w), q)
-        q = quat_ws[rows][-1]
-    imu = samples_of(time_s, quat_ws, noise=1.0)
+    time_s, quat_ws, _, _, own_w = rolling_about_many_axes()
+    imu = samples_of(time_s, quat_ws, own_w, noise=1.0)
     imu = replace(imu, gyr_s_radps=imu.gyr_s_radps @ np.linalg.inv(np.eye(3) + error).T)
     found = scale_of(imu)
     # what turns with the ball averages out, so only the symmetric part is seen well
