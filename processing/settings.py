@@ -106,18 +106,26 @@ class OrientationSettings:
     )
     # error-state filter: chosen on half of BROAD's trials, a broad minimum; the other half was as good
     eskf_gyr_noise_dps_rthz: float = tunable(
-        0.35, "°/s/√Hz", 0.0001, 10.0, "not sensor noise but scale and misalignment while it turns; least total RMSE"
+        0.45, "°/s/√Hz", 0.0001, 10.0, "not sensor noise but scale and misalignment while it turns; least total RMSE"
     )
     eskf_bias_walk_dps_rts: float = tunable(0.001, "°/s/√s", 0.0, 1.0, "0.0003 to 0.003 differ by 0.1 %")
     eskf_acc_noise_mps_rts: float = tunable(0.1, "m/s/√s", 0.0001, 10.0, "specific force: noise, scale and vibration")
     eskf_velocity_noise_mps_rthz: float = tunable(
-        0.4, "m/s/√Hz", 0.001, 100.0, "the velocity is bounded: 2 m/s at 20 Hz; 0.3 to 0.8 differ by 1 %"
+        0.3, "m/s/√Hz", 0.001, 100.0, "the velocity is bounded: 1.3 m/s at 20 Hz; 0.25 to 0.6 differ by 2 %"
     )
     eskf_heading_noise_deg_rthz: float = tunable(
         6.0, "°/√Hz", 0.01, 1000.0, "with the gyro's noise a pull of some 20 s"
     )
     eskf_heading_sigma_deg: float = tunable(
         8.0, "°", 0.1, 90.0, "a field further off than 3 sigma is doubted (navigation §6.2)"
+    )
+    # P3's filter with a gradient-descent observation
+    ekf_gd_form: str = choice(
+        "predicted", ("predicted", "published"), "where the descent begins; as published, turns about up are held back"
+    )
+    ekf_gd_alpha: float = tunable(10.0, "1", 1.0, 1000.0, "the descent's step over the turn's (P3: α > 1); least RMSE")
+    ekf_gd_noise_rthz: float = tunable(
+        1e-4, "1/√Hz", 1e-7, 10.0, "noise of the observed quaternion; with α, least total RMSE on half of BROAD"
     )
 
 
@@ -128,7 +136,9 @@ class PositionSettings:
     track_rate_hz: float = tunable(20.0, "Hz", 10.0, 200.0, "formats.md promises 10 rows a second or more")
     # odometry
     scale_sigma_pct: float = tunable(2.0, "%", 0.05, 50.0, "a ball not calibrated in this pipe (navigation §6.4)")
-    slip_walk: float = tunable(0.13, "m/√m", 0.01, 2.0, "covers 95 % over the wheels of navigation §4.4, median 0.084")
+    slip_sigma_pct: float = tunable(1.2, "%", 0.0, 20.0, "with tau and walk the wheels of navigation §4.4, median 0.084")
+    slip_tau_s: float = tunable(15.0, "s", 0.1, 3600.0, "slip varies within seconds (navigation §6.4: 5 to 20 s)")
+    slip_walk: float = tunable(0.05, "m/√m", 0.001, 2.0, "what is left beside the slip that varies slowly")
     slope_sigma_pct: float = tunable(1.0, "%", 0.0, 30.0, "a rolling ball does not feel a constant slope")
     rolling_still_dps: float = tunable(2.0, "°/s", 0.1, 50.0, "a ball that turns more slowly lies still")
     reverse_max_m: float = tunable(2.0, "m", 0.1, 100.0, "rolling back further than this is a turn of the pipe")
@@ -138,6 +148,30 @@ class PositionSettings:
     still_change_mps2: float = tunable(0.04, "m/s²", 0.005, 5.0, "least change of acceleration that counts as moving")
     still_min_s: float = tunable(0.15, "s", 0.02, 10.0, "a shorter quiet moment is no standstill")
     still_margin_s: float = tunable(0.2, "s", 0.0, 2.0, "the edge of a carried device's standstill still moves")
+    zero_velocity_detector: str = choice(
+        "auto",
+        ("auto", "variance", "magnitude", "rate_energy", "shoe", "butterworth", "lstm", "tcn"),
+        "what finds a foot's stances; auto takes what did best on walks that nothing was trained on",
+    )
+    zero_velocity_threshold: str = choice(
+        "adaptive", ("adaptive", "fixed"), "a fixed one suits one gait only: 4.9 m instead of 0.1 m (navigation §4.2)"
+    )
+    foot_still_mps: float = tunable(
+        0.01, "m/s", 0.0005, 0.5, "how still a stance is (PyShoe); on the VICON trials least error"
+    )
+    foot_acc_noise: float = tunable(
+        0.035, "m/s/√s", 0.0001, 5.0, "with impacts and roll-off; PyShoe's 0.5 m/s² at 200 Hz"
+    )
+    foot_gyr_noise_dps: float = tunable(0.035, "°/√s", 0.0001, 5.0, "likewise, PyShoe's 0.5 °/s at 200 Hz")
+    foot_acc_offset_sigma: float = tunable(
+        0.02, "m/s²", 0.0, 1.0, "consumer MEMS after the resting level was taken off"
+    )
+    foot_acc_offset_walk: float = tunable(1e-4, "m/s²/√s", 0.0, 0.1, "navigation §6.4")
+    foot_gyr_offset_sigma_dps: float = tunable(0.05, "°/s", 0.0, 10.0, "what the orientation step leaves of it")
+    foot_gyr_offset_walk_dps: float = tunable(0.001, "°/s/√s", 0.0, 1.0, "navigation §6.4: 0.003; less did better")
+    foot_error_factor: float = tunable(1.0, "1", 0.1, 50.0, "makes 95 % intervals true on the VICON trials")
+    foot_up_error_factor: float = tunable(1.0, "1", 0.1, 50.0, "likewise for height")
+    foot_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "a stance that rolls shortens every stride alike")
     inertial_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "accelerometer scale of consumer MEMS")
     velocity_walk: float = tunable(
         0.004, "m/s/√s", 0.0001, 1.0, "least error of integrated acceleration; stops raise it"
@@ -147,13 +181,22 @@ class PositionSettings:
     heading_drift_dph: float = tunable(
         300.0, "°/h", 0.0, 5000.0, "no magnetometer: 150–400 °/h (navigation §3.1, §4.4)"
     )
+    heading_drift_tau_s: float = tunable(
+        3600.0, "s", 10.0, 1e6, "the drift itself wanders: bias with temperature, scale with the spin axis"
+    )
     heading_walk: float = tunable(0.05, "°/√s", 0.0, 5.0, "gyro noise and scale along the spin axis")
     magnetic_sigma_deg: float = tunable(8.0, "°", 0.5, 90.0, "magnetic heading near pipes (navigation §6.2)")
     # the fit
     keyframes: float = tunable(1000.0, "", 50.0, 20000.0, "moments at which a dragged tie point moves the path at once")
     length_sigma_pct: float = tunable(0.2, "%", 0.001, 10.0, "how well a pipe's length is known, on top of 0.1 m")
     tie_time_sigma_s: float = tunable(0.3, "s", 0.0, 60.0, "reaction time of whoever notes a tie point")
+    tie_clock_sigma_s: float = tunable(0.1, "s", 0.0, 60.0, "what all tie points' clock may be off, together")
     outlier_sigmas: float = tunable(3.0, "sigma", 1.5, 10.0, "a tie point that the others miss by more is held down")
+    # what the recording itself says of the place
+    bends: str = choice("auto", ("auto", "off"), "auto recognises the bends of the mapped route in the ball's turns")
+    joints: str = choice("auto", ("auto", "off"), "auto counts pipe joints where blows or field show them regularly")
+    pressure: str = choice("auto", ("auto", "off"), "auto takes the height from the pressure in the pipe")
+    slips: str = choice("auto", ("auto", "off"), "auto marks where the ball slid, spun or reached a sensor's limit")
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,7 @@ class PipeInfo:
     material: str = ""
     diameter_m: float | None = None
     length_m: float | None = None
+    joint_spacing_m: float | None = None  # from joint to joint: what one pipe adds to the length
 
 
 @dataclass(frozen=True)

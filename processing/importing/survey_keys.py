@@ -140,6 +140,7 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
         "material": Text(),
         "diameter_m": Number(0.0, 20.0, "m", above=True),
         "length_m": Number(0.0, 1e6, "m", above=True),
+        "joint_spacing_m": Number(0.5, 100.0, "m"),
     },
     "device": {
         "motion": OneOf(tuple(m.value for m in Motion)),
