@@ -196,10 +196,10 @@ def _slides(bins: _Bins, known: list[SlipSpan]) -> list[SlipSpan]:
     while k < len(steps):
         step = steps[k]
         low, high = step.row, step.row
-        after = steps[k + 1] if k + 1 < len(steps) else None
-        if after is not None and after.row - step.row < most and step.rise_mps * after.rise_mps < 0.0:
-            high = after.row
-            k += 1
+        undone = _undone_by(steps, k, most)
+        if undone is not None:
+            high = steps[undone].row
+            k = undone
         elif step.rise_mps < 0.0:  # its end was too gentle: until it turns again as before
             again = speed[high + half : high + most] > speed[max(low - half, 0)] + 0.5 * step.rise_mps
             high += half + int(np.argmax(again)) if np.any(again) else 0
@@ -212,6 +212,17 @@ def _slides(bins: _Bins, known: list[SlipSpan]) -> list[SlipSpan]:
         out.append(SlipSpan(start, end, reason, 1.0, step.missing_mps * (end - start)))
         k += 1
     return out
+
+
+def _undone_by(steps: list[_Step], k: int, most: int) -> int | None:
+    """The next step back to the speed before; a slide round a bend leaves others between, that change no speed."""
+    for later in range(k + 1, len(steps)):
+        rise = steps[later].rise_mps
+        if steps[later].row - steps[k].row > most or rise * steps[k].rise_mps > 0.25 * steps[k].rise_mps ** 2:
+            return None
+        if rise * steps[k].rise_mps < -0.25 * steps[k].rise_mps ** 2:
+            return later
+    return None
 
 
 def _unfelt_steps(bins: _Bins, speed: FloatArray, known: list[SlipSpan]) -> list[_Step]:
