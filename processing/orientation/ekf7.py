@@ -8,7 +8,7 @@ acceleration: navigation §3, note c).
 import numpy as np
 
 from processing.orientation import kernels_ekf7
-from processing.orientation.recursion import Estimate, run_recursion
+from processing.orientation.recursion import Estimate, Recursion, run_recursion
 from processing.orientation.samples import Block, TrustedSamples
 from processing.progress import Progress
 from processing.survey import FloatArray
@@ -18,6 +18,11 @@ _START_SIGMA_RAD = np.radians(3.0)  # tilt and heading from a few seconds of rea
 
 def ekf7(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimate:
     """Return the attitude and what bias remained after the calibration."""
+    return run_recursion(samples, yaw_rad, progress, ekf7_recursion(samples))
+
+
+def ekf7_recursion(samples: TrustedSamples) -> Recursion:
+    """Return the filter for runs with these settings, calibration and field."""
     settings, scratch = samples.settings, np.empty(kernels_ekf7.SCRATCH_SIZE)
     first_sigma = samples.calibration.sigma_at(samples.times(0, 1))[0]
 
@@ -44,7 +49,7 @@ def ekf7(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimat
             bias,
         )
 
-    return run_recursion(samples, yaw_rad, progress, begin=begin, advance=advance, estimates_bias=True)
+    return Recursion(begin, advance, estimates_bias=True)
 
 
 def start_state(q_ws: FloatArray, bias_radps: FloatArray, bias_covariance: FloatArray) -> FloatArray:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from processing.orientation import kernels
-from processing.orientation.recursion import Estimate, run_recursion
+from processing.orientation.recursion import Estimate, Recursion, run_recursion
 from processing.orientation.samples import Block, TrustedSamples
 from processing.progress import Progress
 from processing.survey import FloatArray
@@ -13,6 +13,11 @@ _BIAS_LIMIT_RADPS = float(np.radians(2.0))  # what rest calibration leaves is sm
 
 def mahony(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimate:
     """Return the attitude by ``ω' = ω + Kp e + ∫Ki e``; readings count less where |a| is not g."""
+    return run_recursion(samples, yaw_rad, progress, mahony_recursion(samples))
+
+
+def mahony_recursion(samples: TrustedSamples) -> Recursion:
+    """Return the filter for runs with these settings, calibration and field."""
     settings = samples.settings
 
     def begin(q_ws: FloatArray, state: FloatArray | None) -> FloatArray:
@@ -35,4 +40,4 @@ def mahony(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estim
             bias,
         )
 
-    return run_recursion(samples, yaw_rad, progress, begin=begin, advance=advance, estimates_bias=True)
+    return Recursion(begin, advance, estimates_bias=True)

@@ -26,41 +26,42 @@ class Estimate:
     bias_radps: FloatArray | None = None
 
 
-def run_recursion(
-    samples: TrustedSamples,
-    yaw_rad: float,
-    progress: Progress,
-    *,
-    begin: Begin,
-    advance: Advance,
-    estimates_bias: bool,
-) -> Estimate:
-    """Run a recursion whose state begins with q (4,).
+@dataclass(frozen=True)
+class Recursion:
+    """A per-sample recursion whose state begins with q (4,): all it remembers between two blocks of rows.
 
     ``begin(q, state)`` returns the state at the first row of a segment, given the state at the end of the segment
     before (None for the first); ``advance(block, state, quat, bias)`` moves the state on and fills (m, 4) and (m, 3).
     """
+
+    begin: Begin
+    advance: Advance
+    estimates_bias: bool
+
+
+def run_recursion(samples: TrustedSamples, yaw_rad: float, progress: Progress, recursion: Recursion) -> Estimate:
+    """Run a recursion over all segments; ``yaw_rad`` is the first yaw where no field tells it."""
     total = len(samples.imu.time_s)
-    quat, bias = np.empty((total, 4)), np.empty((total if estimates_bias else 0, 3))
+    quat, bias = np.empty((total, 4)), np.empty((total if recursion.estimates_bias else 0, 3))
     state: FloatArray | None = None
     before: Before | None = None
     for segment in samples.segments:
         for block in samples.blocks(segment):
             if block.start == segment[0]:
-                state = begin(first_attitude(block, samples.settings.start_s, yaw_rad, before), state)
+                state = recursion.begin(first_attitude(block, samples.settings.start_s, yaw_rad, before), state)
             assert state is not None
             rows = len(block.time_s)
             block_quat, block_bias = np.empty((rows, 4)), np.empty((rows, 3))
-            advance(block, state, block_quat, block_bias)
+            recursion.advance(block, state, block_quat, block_bias)
             if block.stop == segment[1]:
                 before = end_of(block, block_quat)
             index = samples.index(block.start, block.stop)
             quat[index] = block_quat
-            if estimates_bias:
+            if recursion.estimates_bias:
                 bias[index] = block_bias
             progress.update(block.stop / samples.count, "orientation_attitude")
     fill_untrusted(samples, quat, bias)
-    return Estimate(quat, bias if estimates_bias else None)
+    return Estimate(quat, bias if recursion.estimates_bias else None)
 
 
 def fill_untrusted(samples: TrustedSamples, quat: FloatArray, bias: FloatArray) -> None:

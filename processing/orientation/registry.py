@@ -7,32 +7,39 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from processing.errors import ErrorCode, LeaklineError
-from processing.orientation import kernels, kernels_ekf7
+from processing.orientation import kernels, kernels_ekf7, kernels_ekf_gd, kernels_eskf, kernels_ukf
 from processing.orientation import quaternions as qt
 from processing.orientation.accelerometer import accelerometer_findings, calibrate_at_rests, calibrate_rolling
 from processing.orientation.calibration import Calibration, calibrate, calibration_findings
 from processing.orientation.direct import acc_mag, device, device_disagrees, device_turns_the_other_way
-from processing.orientation.ekf7 import ekf7
-from processing.orientation.gyro import integrate_gyro
+from processing.orientation.ekf7 import ekf7, ekf7_recursion
+from processing.orientation.ekf_gd import ekf_gd, ekf_gd_recursion
+from processing.orientation.eskf import eskf, eskf_recursion
+from processing.orientation.gyro import gyro_recursion, integrate_gyro
 from processing.orientation.gyro_scale import calibrate_scale
-from processing.orientation.madgwick import madgwick
+from processing.orientation.madgwick import madgwick, madgwick_recursion
 from processing.orientation.magnetometer import MagnetometerVerdict, judge_magnetometer
-from processing.orientation.mahony import mahony
-from processing.orientation.recursion import Estimate
+from processing.orientation.mahony import mahony, mahony_recursion
+from processing.orientation.recursion import Estimate, Recursion
 from processing.orientation.samples import BLOCK_ROWS, TrustedSamples, trusted_samples
 from processing.orientation.smoothed_heading import smoothed_vqf
+from processing.orientation.ukf import ukf, ukf_recursion
 from processing.orientation.vqf_filters import bias_in_motion, offline_vqf, vqf
 from processing.progress import Progress
 from processing.settings import OrientationSettings
 from processing.survey import Attitude, Finding, FloatArray, ImuSamples, Motion, Severity, Survey
 
 Function = Callable[[TrustedSamples, float, Progress], Estimate]
+_KERNELS = (kernels, kernels_ekf7, kernels_ekf_gd, kernels_eskf, kernels_ukf)
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Estimator:
-    """One row of the table: ``title`` is a key of ``[orientation]`` in the messages, ``source`` what it rests on."""
+    """One row of the table: ``title`` is a key of ``[orientation]`` in the messages, ``source`` what it rests on.
+
+    ``recursion`` is there where the estimator can follow a recording as it comes (:mod:`processing.orientation.live`).
+    """
 
     name: str
     title: str
@@ -40,17 +47,25 @@ class Estimator:
     needs_field: bool  # has no heading at all without it
     function: Function
     source: str
+    recursion: Callable[[TrustedSamples], Recursion] | None = None
 
 
+_MADGWICK = "Madgwick, Harrison, Vaidyanathan 2011"
+_MAHONY = "Mahony, Hamel, Pflimlin 2008"
 ESTIMATORS: tuple[Estimator, ...] = (
     Estimator("offline_vqf", "offline_vqf", True, False, offline_vqf, "Laidig, Seel 2023"),
     Estimator("smoothed_vqf", "smoothed_vqf", True, False, smoothed_vqf, "Laidig, Seel 2023, with a smoothed heading"),
     Estimator("vqf", "vqf", True, False, vqf, "Laidig, Seel 2023"),
-    Estimator("ekf7", "ekf7", True, False, ekf7, "Akkaya, Talu 2017"),
-    Estimator("madgwick", "madgwick", True, False, madgwick, "Madgwick, Harrison, Vaidyanathan 2011"),
-    Estimator("mahony", "mahony", True, False, mahony, "Mahony, Hamel, Pflimlin 2008"),
+    Estimator("eskf", "eskf", True, False, eskf, "Solà 2017, with a bounded velocity", eskf_recursion),
+    Estimator("ukf", "ukf", True, False, ukf, "Crassidis, Markley 2003", ukf_recursion),
+    Estimator("ekf7", "ekf7", True, False, ekf7, "Akkaya, Talu 2017", ekf7_recursion),
+    Estimator("ekf_gd", "ekf_gd", True, False, ekf_gd, "Akkaya 2017", ekf_gd_recursion),
+    Estimator("madgwick", "madgwick", True, False, madgwick, _MADGWICK, madgwick_recursion),
+    Estimator("madgwick6", "madgwick6", False, False, madgwick, _MADGWICK, madgwick_recursion),
+    Estimator("mahony", "mahony", True, False, mahony, _MAHONY, mahony_recursion),
+    Estimator("mahony6", "mahony6", False, False, mahony, _MAHONY, mahony_recursion),
     Estimator("accmag", "accmag", True, True, acc_mag, "Akkaya 2017"),
-    Estimator("gyro", "gyro", False, False, integrate_gyro, "closed form"),
+    Estimator("gyro", "gyro", False, False, integrate_gyro, "closed form", gyro_recursion),
     Estimator("device", "device", False, False, device, "the recorder"),
 )
 DEFAULT = "offline_vqf"
@@ -91,7 +106,7 @@ def estimate_attitude(
     chosen, reason = _choose(imu, survey, verdict)
     samples = trusted_samples(imu, calibration, settings, verdict.field if chosen.uses_field else None)
     found += _sensor_findings(samples, chosen, verdict)
-    if not (kernels.COMPILED and kernels_ekf7.COMPILED) and len(imu.time_s) > BLOCK_ROWS:
+    if not all(k.COMPILED for k in _KERNELS) and len(imu.time_s) > BLOCK_ROWS:
         _log.info(
             "the attitude recursions run uncompiled, some hundred times slower: build them with setup.py build_ext"
         )

@@ -128,12 +128,16 @@ def trusted_samples(
     count = len(imu.time_s) if rows is None else len(rows)
     if count < _LEAST_ROWS:
         raise LeaklineError(ErrorCode.TOO_FEW_SAMPLES, count=count, needed=_LEAST_ROWS)
-    step = np.diff(imu.time_s if rows is None else imu.time_s[rows])
-    period = float(np.median(step))
-    whole = TrustedSamples(imu, calibration, settings, field, rows, ((0, count),), period)
+    period = float(np.median(np.diff(imu.time_s if rows is None else imu.time_s[rows])))
+    return in_segments(TrustedSamples(imu, calibration, settings, field, rows, ((0, count),), period))
+
+
+def in_segments(whole: TrustedSamples) -> TrustedSamples:
+    """Return the same view, cut where a hole loses the attitude."""
+    step = np.diff(whole.imu.time_s if whole.rows is None else whole.imu.time_s[whole.rows])
     holes = np.flatnonzero(step > whole.bridge_s)
     cuts = (holes[_loses_track(whole, holes, step[holes])] + 1).tolist()
-    return replace(whole, segments=tuple(zip([0, *cuts], [*cuts, count], strict=True)))
+    return replace(whole, segments=tuple(zip([0, *cuts], [*cuts, whole.count], strict=True)))
 
 
 def _loses_track(samples: TrustedSamples, before: IndexArray, hole_s: FloatArray) -> BoolArray:

@@ -15,7 +15,7 @@ from processing.orientation.samples import Block
 from processing.survey import FloatArray
 
 _UP = np.array([0.0, 0.0, 1.0])
-_RATE_S = 1.0
+TAIL_S = 1.0  # so much of a segment tells its mean rate
 _ROLLING_RADPS = np.radians(60.0)
 
 
@@ -29,7 +29,7 @@ class Before:
 
 def end_of(block: Block, quat_ws: FloatArray) -> Before:
     """Return how a block with attitudes (m, 4) ends."""
-    last = slice(int(np.searchsorted(block.time_s, block.time_s[-1] - _RATE_S)), None)
+    last = slice(int(np.searchsorted(block.time_s, block.time_s[-1] - TAIL_S)), None)
     return Before(quat_ws[-1], _mean_rate(block, last, quat_ws[last]))
 
 
@@ -63,7 +63,7 @@ def continuing_turn(block: Block, quat_ws: FloatArray, before: Before) -> float:
     A rolling ball has turned on during the hole by nobody knows how much, but about the same axis: its horizontal
     direction is what continues. A device that hardly turned continues its attitude.
     """
-    first = slice(0, max(int(np.searchsorted(block.time_s[: len(quat_ws)], block.time_s[0] + _RATE_S)), 1))
+    first = slice(0, max(int(np.searchsorted(block.time_s[: len(quat_ws)], block.time_s[0] + TAIL_S)), 1))
     rate = _mean_rate(block, first, quat_ws[first])
     if min(np.hypot(*rate[:2]), np.hypot(*before.rate_w_radps[:2])) > _ROLLING_RADPS:
         return float(np.arctan2(before.rate_w_radps[1], before.rate_w_radps[0]) - np.arctan2(rate[1], rate[0]))

@@ -12,7 +12,7 @@ from processing.progress import silent
 from processing.settings import OrientationSettings
 from processing.survey import DeviceInfo, Launch, Motion, ProcessingChoice, Survey
 
-FUSING = ("offline_vqf", "smoothed_vqf", "vqf", "ekf7", "madgwick", "mahony")
+FUSING = ("offline_vqf", "smoothed_vqf", "vqf", "eskf", "ukf", "ekf7", "ekf_gd", "madgwick", "mahony")
 ALL = tuple(e.name for e in ESTIMATORS if e.name != "device")
 SIX_AXES = OrientationSettings(magnetometer="ignore")
 NINE_AXES = OrientationSettings(magnetometer="use")
@@ -60,7 +60,7 @@ def test_the_closed_form_rates_of_the_cone_are_its_derivative():
     np.testing.assert_allclose(turn[24000:], 0.5 * (gyr[24000:-1] + gyr[24001:]), atol=1e-3)
 
 
-@pytest.mark.parametrize("method", ["gyro", "madgwick", "mahony", "ekf7"])
+@pytest.mark.parametrize("method", ["gyro", "madgwick", "mahony", "ekf7", "ekf_gd", "ukf", "eskf"])
 def test_coning_is_integrated_without_drift(method):
     time_s, truth, _ = cone()
     heading, inclination = attitude_error_deg(estimate(samples_of(time_s, truth), method).quat_ws, truth)
@@ -175,7 +175,8 @@ def test_another_mounting_of_the_sensor_changes_only_the_mounting(method):
 
 
 @pytest.mark.parametrize(
-    ("method", "limit_deg"), [("offline_vqf", 0.5), ("mahony", 2.0), ("ekf7", 2.0), ("madgwick", 2.0)]
+    ("method", "limit_deg"),
+    [("offline_vqf", 0.5), ("eskf", 0.5), ("mahony", 2.0), ("ekf7", 2.0), ("ukf", 2.0), ("madgwick", 2.0)],
 )
 def test_a_rolling_ball_with_an_off_centre_sensor_keeps_its_tilt(method, limit_deg):
     imu, truth, _ = rolling(120.0)
