@@ -44,7 +44,7 @@ _SILENT = Sound(enabled=False, joints=Joints(spacing_m=0.0), knocks=Knocks(at_st
 
 
 def mems_loop(number: int, short_by_m: float = 0.0) -> Scenario:
-    """Return P1's loop ``number`` (1..14) with MEMS errors and 0.6 % slip; it ends ``short_by_m`` before its start."""
+    """Return P1's loop ``number`` (1..14) with MEMS errors and 0.6 % slip; its end is ``short_by_m`` from its start."""
     loop = p1_loop(number)
     ball = replace(loop.ball, slip=0.0, slip_sigma=0.006, slip_tau_s=_SLIP_TAU_S)
     magnetics = loop.imu.magnetics
@@ -57,8 +57,14 @@ def _open_loop(number: int, bend_radius_m: float, short_by_m: float) -> PipeRout
     _, plan, length = P1_LOOPS[number]
     corners = np.array([(x, y, 0.0) for x, y in (*plan, plan[0])])
     points = scaled_to_length(corners, bend_radius_m, length)
-    last = points[-1] - points[-2]
-    points[-1] -= short_by_m * last / np.linalg.norm(last)
+    start = points[0]
+    while np.linalg.norm(points[-2] - start) < short_by_m + 2 * bend_radius_m:  # a short last side falls away whole
+        points = points[:-1]
+    back = points[-1] - points[-2]
+    # the last point on this side that is short_by_m away: |points[-2] + x back − start| = short_by_m
+    a, b = float(back @ back), float(back @ (points[-2] - start))
+    c = float((points[-2] - start) @ (points[-2] - start)) - short_by_m**2
+    points[-1] = points[-2] + (-b - np.sqrt(b * b - a * c)) / a * back
     return PipeRoute(_as_vectors(points), bend_radius_m)
 
 

@@ -12,10 +12,13 @@ magnetometer. Besides them:
 
 Published for real balls: device 0.948, Madgwick 0.817, Mahony 0.780 %.
 
+``--without each`` tells what the rest is due to: the same runs with one of the sensor's errors taken away.
+
 Then the same loops, but ending 2 m before their start: the found gap, and how often the interval holds the true end.
 """
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 from kept import Kept, common_words, run_all
@@ -31,6 +34,18 @@ from processing.simulation.trials import mems_loop
 from processing.survey import Attitude, DeviceInfo, Launch, ProcessingChoice, Survey
 
 SHORT_M = 2.0
+ERRORS = {
+    "noise": {"gyro_noise": 0.0},
+    "flicker": {"gyro_instability_radps": 0.0},
+    "turn-on": {"gyro_bias_sigma_radps": 0.0},
+    "scale": {"gyro_scale_range": (0.0, 0.0)},
+    "axes": {"gyro_misalignment_range_rad": (0.0, 0.0)},
+    "g": {"gyro_g_sensitivity": 0.0},
+    "earth": {"latitude_deg": None},
+    "accelerometer": {"acc_noise": 0.0, "acc_bias_sigma_mps2": 0.0, "acc_walk": 0.0, "acc_scale_sigma": 0.0,
+                      "acc_misalignment_sigma_rad": 0.0},
+    "stamps": {"stamp_jitter_s": 0.0},
+}  # fmt: skip
 IDEAL = ("(truth)", "(plain vqf)")
 
 
@@ -102,8 +117,10 @@ class Loop:
         self.methods, self.short_m = methods, short_m
 
     def __call__(self, task):
-        number, seed, _ = task
-        run = simulate(mems_loop(number, self.short_m), seed, quick=True)
+        number, seed, kind = task
+        scenario = mems_loop(number, self.short_m)
+        changes = ERRORS.get(kind.removeprefix("without "), {})
+        run = simulate(replace(scenario, imu=replace(scenario.imu, **changes)), seed, quick=True)
         true = (run.motion.position_w_m[-1] - run.motion.position_w_m[0])[:2]
         out = {}
         for method in self.methods:
@@ -169,6 +186,7 @@ def main():
     words.add_argument("--methods", help="names, separated by commas; all by default")
     words.add_argument("--loops", help="numbers, separated by commas; all by default")
     words.add_argument("--short-seeds", type=int, help="seeds for the paths that end 2 m short; as --seeds by default")
+    words.add_argument("--without", choices=(*ERRORS, "each"), help="take an error of the sensor away")
     told = words.parse_args()
     methods = methods_of(told.methods)
     loops = [int(n) for n in told.loops.split(",")] if told.loops else list(P1_LOOPS)
@@ -178,6 +196,13 @@ def main():
         return " ".join(f"{m} {100 * np.hypot(*r[:2]):.0f} cm" for m, r in result.items())
 
     seeds = range(told.first, told.first + told.seeds)
+    if told.without:
+        for name in ERRORS if told.without == "each" else (told.without,):
+            kind = f"without {name}"
+            run_all([(n, s, kind) for s in seeds for n in loops], Loop(methods, 0.0), kept, told.jobs, said)
+            print(f"\n{kind}:")
+            print_table(kept, methods, loops, kind)
+        return
     run_all([(n, s, "loop") for s in seeds for n in loops], Loop(methods, 0.0), kept, told.jobs, said)
     print_table(kept, methods, loops, "loop")
     count = told.seeds if told.short_seeds is None else told.short_seeds
