@@ -36,6 +36,7 @@ from app.review_control import ReviewControl
 from app.review_page import ReviewPage
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
+from app.tie_control import TieControl
 from app.window_memory import WindowMemory
 from processing import messages
 from processing.errors import LeaklineError
@@ -84,6 +85,7 @@ class MainWindow(QMainWindow):
         self.comparison = ComparisonControl(
             self._session, services.jobs, self.review_page.methods, self.review_page.path, language, self
         )
+        self.ties = TieControl(self._session, self.review_page, self.review_page.markers, self)
         self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
         self.help = HelpControl(self, services.log_file)
         self.actions_by_id = actions.build(self, self)
@@ -176,6 +178,8 @@ class MainWindow(QMainWindow):
         self.files.told.connect(self._tell)
         self.report.told.connect(self._tell)
         self.comparison.reprocess_asked.connect(self.files.reprocess)
+        self.ties.reprocess_asked.connect(self.files.reprocess)
+        self.ties.failed.connect(self._tell_error)
         self.player.failed.connect(self._tell_error)
         self.review_page.band_changed.connect(self.files.change_band)
         self.files.band_settled.connect(self.review_page.spectrogram.set_band)
@@ -276,7 +280,8 @@ class MainWindow(QMainWindow):
         }
         for row in ACTIONS:
             self.actions_by_id[row.id].setEnabled(met[row.needs])
-        self.actions_by_id["mark"].setEnabled(reviewing and session.writable)
+        for name in ("mark", "tie"):
+            self.actions_by_id[name].setEnabled(reviewing and session.writable)
         self.actions_by_id["export"].setEnabled(session.results is not None)
         for page in (*REVIEW_PAGES, "report"):
             self.step_bar.set_enabled(page, enabled=session.results is not None)

@@ -13,12 +13,13 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidg
 
 from app import view_data
 from app.path_tools import PathTools
-from processing.survey import TiePoint
+from processing.survey import TiePoint, Track
 from widgets.candidate_table import CandidateRow, CandidateTable
 from widgets.decision_panel import DecisionPanel
 from widgets.imu_view import ImuView
 from widgets.level_view import LevelView
 from widgets.linked_plot import Readout
+from widgets.marker_panel import MarkerPanel
 from widgets.method_panel import MethodPanel
 from widgets.overview_strip import OverviewStrip
 from widgets.path_view import PathView
@@ -46,6 +47,8 @@ class ReviewPage(QWidget):
         super().__init__(parent)
         self._cursor = cursor
         self._results: Results | None = None
+        self._track: Track | None = None  # drawn: of the results, or of a newer fit
+        self._rows: tuple[CandidateRow, ...] = ()
         self._pointed: Readout | None = None
         self.path = PathView(cursor, theme)
         self.profile = ProfileView(cursor, theme)
@@ -56,7 +59,7 @@ class ReviewPage(QWidget):
         self.table = CandidateTable(theme)
         self.decision = DecisionPanel(theme)
         self.playback = PlaybackBar()
-        self.methods = MethodPanel()
+        self.methods, self.markers = MethodPanel(), MarkerPanel()
         self._readout = QLabel()
         self._readout.setObjectName("readout")
         self._readout.setTextFormat(Qt.TextFormat.PlainText)
@@ -79,6 +82,7 @@ class ReviewPage(QWidget):
             Qt.Orientation.Vertical, "strips", self.overview, self.spectrogram, self.level, self.imu
         )
         self.tools = PathTools(self._strips, self.tr("Motion"))
+        self.tools.add_tool("markers", self.tr("Tie points"), self.markers)
         self.tools.add_tool("methods", self.tr("Methods"), self.methods)
         side = QWidget()
         layout = QVBoxLayout(side)
@@ -134,7 +138,7 @@ class ReviewPage(QWidget):
     def show_results(self, results: "Results | None") -> None:
         """Show everything that a run derived; None shows empty views."""
         self._results = results
-        track = results.track if results is not None else None
+        track = self._track = results.track if results is not None else None
         stretches = results.not_assessed if results is not None else ()
         self.path.set_track(track)
         self.profile.set_track(track)
@@ -151,16 +155,30 @@ class ReviewPage(QWidget):
             self.fit_path()
         self._show_readout()
 
+    def show_track(self, track: Track, *, whole: bool) -> None:
+        """Draw another path of the same run, with the leaks on it; ``whole`` lets all views and the cursor follow."""
+        self._track = track
+        if whole:
+            self._cursor.set_track(track)
+            self.profile.set_track(track)
+        self.path.set_track(track)
+        self.show_candidates(self._rows)
+
     def show_tie_points(self, tie_points: Sequence[TiePoint]) -> None:
         """Show the known places."""
         results = self._results
         to_local = partial(view_data.to_local, results) if results is not None else None
         self.path.set_tie_points(tie_points, to_local)
-        self.profile.set_tie_points(tie_points)
+        for strip in (self.imu, self.profile):
+            strip.set_tie_points(tie_points)
 
     def show_candidates(self, rows: Sequence[CandidateRow]) -> None:
         """Mark the candidates in all views."""
+        self._rows = tuple(rows)
+        track, results = self._track, self._results
         candidates = [row.candidate for row in rows]
+        if track is not None and results is not None and track is not results.track:
+            candidates = [view_data.moved(candidate, track) for candidate in candidates]
         decisions = {row.candidate.id: row.decision for row in rows}
         for view in self.views:
             view.set_candidates(candidates, decisions)

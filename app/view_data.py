@@ -1,6 +1,7 @@
 """Turns the results of a run into what each view asks for; plain functions, no state."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from widgets.tile_source import Levels
 if TYPE_CHECKING:
     from processing.results import Results
     from processing.sound.scan import SoundScan
-    from processing.survey import AudioSource, ClockMap, FloatArray, TiePoint
+    from processing.survey import AudioSource, Candidate, ClockMap, FloatArray, TiePoint, Track
 
 DETAIL_SPAN_S = 60.0  # a shorter view than this is computed afresh where the stored picture is too coarse
 OVERVIEW_POINTS = 4000
@@ -138,3 +139,22 @@ def to_local(results: "Results", tie: "TiePoint") -> tuple[float, float] | None:
     except LeaklineError:  # a coordinate system that is not known: told when the survey is processed
         return None
     return None if place is None else (place[0], place[1])
+
+
+def moved(candidate: "Candidate", track: "Track") -> "Candidate":
+    """Return a candidate where its sound is on another track; its interval keeps its width."""
+    from processing.position.distance import places_at
+
+    if not math.isfinite(candidate.time_s):
+        return candidate
+    place = places_at(track, candidate.time_s)
+    chainage = float(place.chainage_m[0])
+    by = chainage - candidate.chainage_m
+    east, north, up = (float(v) for v in place.position_w_m[0])
+    return replace(
+        candidate,
+        chainage_m=chainage,
+        chainage_low95_m=candidate.chainage_low95_m + by,
+        chainage_high95_m=candidate.chainage_high95_m + by,
+        position_w_m=(east, north, up),
+    )

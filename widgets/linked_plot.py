@@ -5,15 +5,17 @@ zooms vertically, double click shows everything.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
-from PySide6.QtGui import QEnterEvent, QMouseEvent, QWheelEvent
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QEnterEvent, QKeyEvent, QMouseEvent, QPainter, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
+from processing.survey import TiePoint
 from widgets.plot_frame import PlotFrame
 from widgets.plot_marks import Readout
 from widgets.plot_theme import LIGHT, Theme
+from widgets.tie_flags import TieFlags
 from widgets.time_cursor import TimeCursor
 
 __all__ = ["DRAG_PIXELS", "ZOOM_STEP", "Drag", "LinkedPlot", "Readout"]
@@ -28,6 +30,10 @@ class LinkedPlot(PlotFrame):
 
     pointed = Signal(object)  # Readout, or None when the mouse has left
     candidate_clicked = Signal(int)
+    tie_clicked = Signal(int)
+    tie_dragged = Signal(int, float)  # number, moment: while it moves
+    tie_dropped = Signal(int, float)
+    tie_drag_ended = Signal()  # it was let go, or taken back by Escape
 
     def __init__(
         self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None, *, show_x_axis: bool = True
@@ -36,9 +42,27 @@ class LinkedPlot(PlotFrame):
         self._pressed: QPointF | None = None
         self._drag: Drag | None = None
         self._dragged = False
+        self._flags = TieFlags(self.pixel_of_time, self._tie_height)
+        self._flagged: int | None = None  # the tie point under the hand
+        self.ties_movable = False
         self.setMouseTracking(True)
 
+    def set_tie_points(self, tie_points: Sequence[TiePoint]) -> None:
+        """Show the known places at the moments the device passed."""
+        self._flags.set_tie_points(tie_points)
+        self.invalidate()
+
+    def _paint_details(self, painter: QPainter) -> None:
+        painter.setFont(self._theme.font())
+        self._flags.paint(painter, self._theme, self.plot_rect())
+        super()._paint_details(painter)
+
     # --- what subclasses may add --------------------------------------------------------------------------------
+
+    def _tie_height(self, tie: TiePoint, rect: QRectF) -> float | None:
+        """Return the pixel of a tie point's height; None for the foot of the plot."""
+        del tie, rect
+        return None
 
     def _readout(self, place: QPointF) -> Readout:
         """Return what lies under the mouse."""
@@ -70,7 +94,8 @@ class LinkedPlot(PlotFrame):
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
             self._drag = self._selecting(event.position())
         else:
-            self._drag = self._grab(event.position()) or self._panning(event.position())
+            here = event.position()
+            self._drag = self._tie_drag(here) or self._grab(here) or self._panning(here)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Drag, and say what lies under the mouse."""
@@ -79,6 +104,8 @@ class LinkedPlot(PlotFrame):
             self._dragged = self._dragged or math.dist(place.toTuple(), self._pressed.toTuple()) >= DRAG_PIXELS
             if self._dragged:
                 self._drag(place)
+        elif self.ties_movable and self._flags.at(place, self.plot_rect()) is not None:
+            self.setCursor(Qt.CursorShape.SizeHorCursor)
         elif self._grab(place) is not None or self.candidate_at(place) is not None:
             self.setCursor(Qt.CursorShape.PointingHandCursor)
         else:
@@ -91,11 +118,33 @@ class LinkedPlot(PlotFrame):
             super().mouseReleaseEvent(event)
             return
         if self._pressed is not None:
-            if self._dragged:
-                self._drop()
-            else:
+            if not self._dragged:
                 self._click(event.position())
-        self._pressed = self._drag = None
+            elif self._flagged is not None:
+                self.tie_dropped.emit(self._flagged, self.time_of_pixel(event.position().x()))
+                self.tie_drag_ended.emit()
+            else:
+                self._drop()
+        self._pressed = self._drag = self._flagged = None
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape puts a tie point back that is being dragged."""
+        if event.key() == Qt.Key.Key_Escape and self._flagged is not None:
+            self._pressed = self._drag = self._flagged = None
+            self.tie_drag_ended.emit()
+            return
+        super().keyPressEvent(event)
+
+    def _tie_drag(self, start: QPointF) -> Drag | None:
+        number = self._flags.at(start, self.plot_rect()) if self.ties_movable else None
+        if number is None:
+            return None
+        self._flagged = number
+
+        def move(place: QPointF) -> None:
+            self.tie_dragged.emit(number, self.time_of_pixel(place.x()))
+
+        return move
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Show everything."""
@@ -131,6 +180,8 @@ class LinkedPlot(PlotFrame):
         candidate_id = self.candidate_at(place)
         if candidate_id is not None:
             self.candidate_clicked.emit(candidate_id)
+        elif (number := self._flags.at(place, self.plot_rect())) is not None:
+            self.tie_clicked.emit(number)
         elif self.plot_rect().contains(place):
             self._cursor.set_time(self.time_of_pixel(place.x()))
             self._cursor.clear_selection()

@@ -1,6 +1,7 @@
 """Strokes of the plan view: grid, interval, pins, names that keep off each other, scale bar and north arrow."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QLocale, QPointF, QRectF, Qt
@@ -13,6 +14,7 @@ from widgets.plot_scale import multiples, nice_step, number_text, tick_digits
 from widgets.plot_theme import Theme
 
 SIGMAS_95 = 1.96
+ELLIPSE_95 = 2.4477  # of two coordinates together: the root of chi-square's 95 % with two degrees of freedom
 BAND_STEP_PIXELS = 6.0
 ELLIPSE_STEP_PIXELS = 110.0
 SMALLEST_ELLIPSE_PIXELS = 3.0
@@ -55,15 +57,29 @@ def paint_band(painter: QPainter, theme: Theme, scale: PlanScale, track: Track, 
     painter.setPen(QPen(QColor(theme.band), 0.8 * theme.line_width))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     every = max(1, round(ELLIPSE_STEP_PIXELS / BAND_STEP_PIXELS))
-    heading = np.gradient(plane, axis=0)
-    for k in range(every // 2, len(plane), every):
-        a, b = along[k] * scale.pixels_per_m, across[k] * scale.pixels_per_m
-        if max(a, b) >= SMALLEST_ELLIPSE_PIXELS:
+    for place, ellipse in zip(plane[every // 2 :: every], _ellipses(track, sparse[every // 2 :: every])):
+        size = [axis * scale.pixels_per_m for axis in ellipse.half_axes_m]
+        if max(size) >= SMALLEST_ELLIPSE_PIXELS:
             painter.save()
-            painter.translate(*scale.pixel(*plane[k]))
-            painter.rotate(-math.degrees(math.atan2(heading[k, 1], heading[k, 0])))
-            painter.drawEllipse(QPointF(0.0, 0.0), float(a), float(b))
+            painter.translate(*scale.pixel(*place))
+            painter.rotate(-math.degrees(ellipse.angle_rad))
+            painter.drawEllipse(QPointF(0.0, 0.0), size[0], size[1])
             painter.restore()
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """A place's 95 % ellipse: half axes, and the angle of the first one from east, counter-clockwise."""
+
+    half_axes_m: tuple[float, float]
+    angle_rad: float
+
+
+def ellipse_95(east_m2: float, east_north_m2: float, north_m2: float) -> Ellipse:
+    """Return the ellipse that holds a place in 95 of 100 cases, of its variances and covariance."""
+    values, axes = np.linalg.eigh(np.array([[east_m2, east_north_m2], [east_north_m2, north_m2]]))
+    small, large = (ELLIPSE_95 * math.sqrt(max(float(v), 0.0)) for v in values)
+    return Ellipse((large, small), math.atan2(axes[1, 1], axes[0, 1]))
 
 
 def _spaced(track: Track, time_s: FloatArray, scale: PlanScale, pixels: float) -> FloatArray:
@@ -76,6 +92,19 @@ def _spaced(track: Track, time_s: FloatArray, scale: PlanScale, pixels: float) -
 
 def _plane(track: Track, time_s: FloatArray) -> FloatArray:
     return np.stack([np.interp(time_s, track.time_s, track.position_w_m[:, k]) for k in (0, 1)], axis=1)
+
+
+def _ellipses(track: Track, time_s: FloatArray) -> list[Ellipse]:
+    """Return the ellipses at moments; a track without covariances says them along and across its way."""
+    if track.cov_level_m2 is not None:
+        columns = [np.nan_to_num(np.interp(time_s, track.time_s, column)) for column in track.cov_level_m2.T]
+        return [ellipse_95(*(float(v) for v in row)) for row in zip(*columns, strict=True)]
+    _, along, across = _interval(track, time_s)
+    ahead = _plane(track, time_s + 0.5) - _plane(track, time_s - 0.5)
+    factor = ELLIPSE_95 / SIGMAS_95
+    return [
+        Ellipse((factor * float(a), factor * float(c)), math.atan2(h[1], h[0])) for a, c, h in zip(along, across, ahead)
+    ]
 
 
 def _interval(track: Track, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -102,7 +131,10 @@ def paint_cursor(painter: QPainter, theme: Theme, place: QPointF, ahead: QPointF
 
 
 def paint_pin(painter: QPainter, theme: Theme, kind: str, centre: QPointF, radius: float) -> None:
-    """Draw a known place: launch a triangle, retrieval and tie points squares, hollow where they do not pull."""
+    """Draw a known place: launch a triangle, retrieval and tie points squares, hollow where they do not pull.
+
+    One that the others contradict is crossed out.
+    """
     colour = QColor(theme.tie_point)
     painter.setPen(QPen(QColor(theme.outline) if kind != "unused" else colour, 1.5))
     painter.setBrush(QColor(theme.canvas) if kind == "unused" else colour)
@@ -113,6 +145,10 @@ def paint_pin(painter: QPainter, theme: Theme, kind: str, centre: QPointF, radiu
         )
     else:
         painter.drawRect(QRectF(x - r, y - r, 2 * r, 2 * r))
+    if kind == "doubted":
+        painter.setPen(QPen(QColor(theme.cursor), 2.5))
+        painter.drawLine(QPointF(x - 1.6 * r, y - 1.6 * r), QPointF(x + 1.6 * r, y + 1.6 * r))
+        painter.drawLine(QPointF(x - 1.6 * r, y + 1.6 * r), QPointF(x + 1.6 * r, y - 1.6 * r))
 
 
 class Labels:

@@ -4,12 +4,11 @@ Mouse: click on the path moves the cursor, drag pans, wheel zooms about the mous
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Decision, FloatArray, Stretch, TiePoint, Track
@@ -22,10 +21,10 @@ from widgets.path_paint import (
     paint_cursor,
     paint_grid,
     paint_north,
-    paint_pin,
     paint_scale_bar,
 )
 from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment
+from widgets.plan_pins import Pin, PlanPins, ToLocal, name_pins, paint_pins
 from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, plot_item
 from widgets.plot_marks import Marks, Readout
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
@@ -34,20 +33,6 @@ from widgets.time_cursor import TimeCursor
 
 MARGIN = 48.0
 REACH_PIXELS = 40.0
-ToLocal = Callable[[TiePoint], tuple[float, float] | None]
-
-
-SAME_PLACE_M = 2.0
-
-
-@dataclass(frozen=True)
-class Pin:
-    """A named place on the plan."""
-
-    name: str
-    east_m: float
-    north_m: float
-    kind: str = "tie"  # tie | unused | launch | retrieval
 
 
 class PathView(QWidget):
@@ -55,6 +40,10 @@ class PathView(QWidget):
 
     pointed = Signal(object)  # Readout, or None when the mouse has left
     candidate_clicked = Signal(int)
+    tie_clicked = Signal(int)
+    tie_dragged = Signal(int, float, float)  # number, east, north: while it moves
+    tie_dropped = Signal(int, float, float)
+    tie_drag_ended = Signal()  # it was let go, or taken back by Escape
 
     def __init__(self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -63,7 +52,9 @@ class PathView(QWidget):
         self._track: Track | None = None
         self._path: ThinnedPath | None = None
         self._route = np.empty((0, 2))
-        self._tie_pins: tuple[Pin, ...] = ()
+        self._pins = PlanPins()
+        self._pinned: int | None = None  # the tie point under the hand
+        self.ties_movable = False
         self._marks = Marks()
         self._stretches: tuple[Stretch, ...] = ()
         self._show_interval = True
@@ -103,6 +94,7 @@ class PathView(QWidget):
     def set_track(self, track: Track | None) -> None:
         """Show this path; None shows none. What was in view stays, unless everything was."""
         self._track, self._path = track, ThinnedPath.from_track(track)
+        self._pins.place(self._cursor.position_at)
         self._refit()
 
     def set_route(self, route_w_m: FloatArray | None) -> None:
@@ -117,14 +109,14 @@ class PathView(QWidget):
 
     def set_tie_points(self, tie_points: Sequence[TiePoint], to_local: ToLocal | None = None) -> None:
         """Show the known places: where ``to_local`` puts them, else where the device was at their moment."""
-        pins = []
-        for tie in tie_points:
-            given = to_local(tie) if to_local is not None else None
-            place = given if given is not None else self._cursor.position_at(tie.time_s)
-            if place is not None and math.isfinite(place[0]) and math.isfinite(place[1]):
-                pins.append(Pin(tie.name, place[0], place[1], "tie" if tie.enabled else "unused"))
-        self._tie_pins = tuple(pins)
+        self._pins.set_tie_points(tie_points, to_local, self._cursor.position_at)
         self._refit()
+
+    def set_tie_state(self, doubted: frozenset[int], selected: int | None) -> None:
+        """Mark the tie points that the others contradict, and ring one."""
+        self._pins.set_doubted(doubted)
+        self._pins.selected = selected
+        self.invalidate()
 
     def set_candidates(self, candidates: Sequence[Candidate], decisions: Mapping[int, Decision] | None = None) -> None:
         """Show these candidates, each with its number and the mark of its verdict."""
@@ -161,11 +153,7 @@ class PathView(QWidget):
     def fit(self) -> None:
         """Show everything."""
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
-        places = [
-            self._route,
-            self._compared.places,
-            np.array([(p.east_m, p.north_m) for p in self._tie_pins]).reshape(-1, 2),
-        ]
+        places = [self._route, self._compared.places, self._pins.places]
         if self._path is not None:
             places.append(self._path.plane_m[self._path.levels[-1]])
         self._fitted = True
@@ -206,7 +194,7 @@ class PathView(QWidget):
         self.invalidate()
 
     def _refit(self) -> None:
-        if self._fitted:
+        if self._fitted and self._pinned is None:  # the map stays still under a hand that drags a tie point
             self.fit()
         self.invalidate()
 
@@ -289,13 +277,12 @@ class PathView(QWidget):
         labels = Labels(painter, self._theme, QRectF(self.rect()))
         radius = self._mark_radius()
         pins = [
-            (pin, QPointF(*self._scale.pixel(pin.east_m, pin.north_m))) for pin in (*self._end_pins(), *self._tie_pins)
+            (pin, QPointF(*self._scale.pixel(pin.east_m, pin.north_m))) for pin in (*self._end_pins(), *self._pins.pins)
         ]
         marks = [(c, centre) for c in self._marks.in_drawing_order if (centre := self._mark_centre(c)) is not None]
         for _, centre in (*pins, *marks):
             labels.keep_free(centre, radius)
-        for pin, centre in pins:
-            paint_pin(painter, self._theme, pin.kind, centre, 0.7 * radius)
+        paint_pins(painter, self._theme, pins, 0.7 * radius, self._pins.selected)
         pixmaps, ratio = self._mark_pixmaps, self.devicePixelRatioF()
         if pixmaps is None or not pixmaps.fits(self._theme, radius, ratio):
             pixmaps = self._mark_pixmaps = VerdictMarks(self._theme, radius, ratio)
@@ -305,19 +292,13 @@ class PathView(QWidget):
         # the weighty ones are painted last but named first, so that they get a place
         for candidate, centre in reversed(marks):
             labels.write(str(candidate.id), centre, radius + 3, strong=candidate.id == self._marks.selected)
-        for pin, centre in pins:
-            labels.write(pin.name, centre, radius + 3)
+        name_pins(labels, pins, radius + 3)
         self._compared.paint_names(painter, labels, self._scale, self._theme)
 
     def _end_pins(self) -> tuple[Pin, ...]:
         if self._path is None:
             return ()
-        (east, north), (east_last, north_last) = self._path.plane_m[0], self._path.plane_m[-1]
-        ends = [Pin(self.tr("launch"), float(east), float(north), "launch")]
-        # a tie point that stands at the end already names it, in whatever language
-        if not any(np.hypot(pin.east_m - east_last, pin.north_m - north_last) < SAME_PLACE_M for pin in self._tie_pins):
-            ends.append(Pin(self.tr("retrieval"), float(east_last), float(north_last), "retrieval"))
-        return tuple(ends)
+        return self._pins.ends(self._path.plane_m, self.tr("launch"), self.tr("retrieval"))
 
     # --- the mouse ----------------------------------------------------------------------------------------------
 
@@ -344,19 +325,22 @@ class PathView(QWidget):
             super().mousePressEvent(event)
             return
         self._pressed, self._scale_pressed, self._dragged = event.position(), self._scale, False
+        on_candidate = self.candidate_at(event.position()) is not None
+        self._pinned = self._pins.at(event.position(), self._scale) if self.ties_movable and not on_candidate else None
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Pan, and say what lies under the mouse."""
         place = event.position()
         if self._pressed is not None:
             self._dragged = self._dragged or math.dist(place.toTuple(), self._pressed.toTuple()) >= DRAG_PIXELS
-            if self._dragged:
+            if self._dragged and self._pinned is not None:
+                self.tie_dragged.emit(self._pinned, *self._scale.metres(place.x(), place.y()))
+            elif self._dragged:
                 self._fitted = False
                 by = place - self._pressed
                 self._set_scale(self._scale_pressed.moved(by.x(), by.y()))
             return
-        over = self.candidate_at(place) is not None
-        self.setCursor(Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor)
+        self._show_hand(place)
         east, north = self._scale.metres(place.x(), place.y())
         self.pointed.emit(Readout(None, None, (east, north, math.nan)))
 
@@ -365,10 +349,29 @@ class PathView(QWidget):
         if event.button() is not Qt.MouseButton.LeftButton:
             super().mouseReleaseEvent(event)
             return
-        clicked = self._pressed is not None and not self._dragged
-        self._pressed = None
+        clicked, pinned = self._pressed is not None and not self._dragged, self._pinned
+        moved = self._pressed is not None and self._dragged
+        self._pressed = self._pinned = None
+        if moved and pinned is not None:
+            self.tie_dropped.emit(pinned, *self._scale.metres(event.position().x(), event.position().y()))
+            self.tie_drag_ended.emit()
         if clicked:
             self._click(event.position())
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape puts a tie point back that is being dragged."""
+        if event.key() == Qt.Key.Key_Escape and self._pinned is not None:
+            self._pressed = self._pinned = None
+            self.tie_drag_ended.emit()
+            return
+        super().keyPressEvent(event)
+
+    def _show_hand(self, place: QPointF) -> None:
+        over = self.candidate_at(place) is not None
+        shape = Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor
+        if not over and self.ties_movable and self._pins.at(place, self._scale) is not None:
+            shape = Qt.CursorShape.OpenHandCursor
+        self.setCursor(shape)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Show everything."""
@@ -391,6 +394,10 @@ class PathView(QWidget):
         candidate_id = self.candidate_at(place)
         if candidate_id is not None:
             self.candidate_clicked.emit(candidate_id)
+            return
+        pin = self._pins.at(place, self._scale)
+        if pin is not None:
+            self.tie_clicked.emit(pin)
             return
         moment = self.moment_at(place)
         if moment is not None:

@@ -1,18 +1,16 @@
 """The elevation of the pipe along the common axis, with its 95 % interval and the known places."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QColor, QPainter
 from PySide6.QtWidgets import QWidget
 
 from processing.survey import Candidate, Channel, TiePoint, Track
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid
 from widgets.plot_marks import Readout
-from widgets.plot_paint import edges_of, free_box, paint_tag
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
@@ -31,7 +29,6 @@ class ProfileView(CurvePlot):
         self._up: Curve | None = None
         self._low: Curve | None = None
         self._high: Curve | None = None
-        self._tie_points: tuple[TiePoint, ...] = ()
         self._band_item, self._up_item = self._new_curve(), self._new_curve()
 
     def set_track(self, track: Track | None) -> None:
@@ -51,11 +48,6 @@ class ProfileView(CurvePlot):
             self._set_whole(*padded(span, 1.0))
         self.invalidate()
 
-    def set_tie_points(self, tie_points: Sequence[TiePoint]) -> None:
-        """Show the known places; those with an elevation at it, the others at the foot."""
-        self._tie_points = tuple(tie_points)
-        self.invalidate()
-
     def _show_data(self) -> None:
         self._show_scale(self._scale if self._up is not None else None, self.tr("elevation (m)"))
         if self._low is None or self._high is None:
@@ -71,30 +63,9 @@ class ProfileView(CurvePlot):
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._up is None:
             self._paint_hint(painter, rect, self.tr("No path yet"))
-            return
-        self._paint_tie_points(painter, rect)
 
-    def _paint_tie_points(self, painter: QPainter, rect: QRectF) -> None:
-        taken: list[tuple[float, float, float, float]] = []
-        metrics = self._theme.metrics()
-        colour = QColor(self._theme.tie_point)
-        for tie in self._tie_points:
-            x = self.pixel_of_time(tie.time_s) if math.isfinite(tie.time_s) else math.nan
-            if not rect.left() <= x <= rect.right():
-                continue
-            y = rect.bottom() - 5 if tie.up_m is None else min(max(self.y_of(tie.up_m), rect.top()), rect.bottom())
-            painter.setPen(QPen(colour, 1, Qt.PenStyle.DashLine))
-            painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
-            if tie.enabled:
-                painter.fillRect(QRectF(x - 4, y - 4, 8, 8), colour)
-            else:
-                painter.drawRect(QRectF(x - 4, y - 4, 8, 8))
-            width = metrics.horizontalAdvance(tie.name) + 8
-            blocked = np.array(taken, dtype=np.float64).reshape(-1, 4)
-            box = free_box(width, metrics.height(), QPointF(x, y), 6, blocked, rect)
-            if box is not None and tie.name:
-                taken.append(edges_of(box))
-                paint_tag(painter, self._theme, tie.name, box)
+    def _tie_height(self, tie: TiePoint, rect: QRectF) -> float | None:
+        return None if tie.up_m is None else min(max(self.y_of(tie.up_m), rect.top()), rect.bottom())
 
     def _mark_centre(self, candidate: Candidate) -> QPointF | None:
         at_top = super()._mark_centre(candidate)

@@ -32,8 +32,9 @@ class TiePointModel(QAbstractTableModel):
 
     edited = Signal(object)  # tuple[TiePoint, ...]
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None, fields: tuple[str, ...] = FIELDS) -> None:
         super().__init__(parent)
+        self._fields = fields
         self.points: tuple[TiePoint, ...] = ()
         self.writable = True
 
@@ -49,24 +50,29 @@ class TiePointModel(QAbstractTableModel):
 
     def columnCount(self, parent: Index = ROOT) -> int:
         """Qt: number of columns."""
-        return 0 if parent.isValid() else len(FIELDS)
+        return 0 if parent.isValid() else len(self._fields)
 
     def headerData(self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole) -> Any:  # noqa: ANN401
         """Qt: the column titles."""
         if role != Qt.ItemDataRole.DisplayRole or orientation is not Qt.Orientation.Horizontal:
             return None
-        return (
-            self.tr("Use"),
-            self.tr("Name"),
-            self.tr("Time (s)"),
-            self.tr("Chainage (m)"),
-            self.tr("± 1σ (m)"),
-            self.tr("Latitude"),
-            self.tr("Longitude"),
-            self.tr("East (m)"),
-            self.tr("North (m)"),
-            self.tr("Up (m)"),
-        )[section]
+        return self.title(self._fields[section])
+
+    def title(self, field: str) -> str:
+        """Return a column's title."""
+        titles = {
+            "enabled": self.tr("Use"),
+            "name": self.tr("Name"),
+            "time_s": self.tr("Time (s)"),
+            "chainage_m": self.tr("Chainage (m)"),
+            "sigma_m": self.tr("± 1σ (m)"),
+            "latitude": self.tr("Latitude"),
+            "longitude": self.tr("Longitude"),
+            "east_m": self.tr("East (m)"),
+            "north_m": self.tr("North (m)"),
+            "up_m": self.tr("Up (m)"),
+        }
+        return titles[field]
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         """Qt: what can be done with a cell."""
@@ -77,7 +83,7 @@ class TiePointModel(QAbstractTableModel):
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:  # noqa: ANN401
         """Qt: the content of a cell."""
-        value = getattr(self.points[index.row()], FIELDS[index.column()])
+        value = getattr(self.points[index.row()], self._fields[index.column()])
         if index.column() == 0:
             checked = Qt.CheckState.Checked if value else Qt.CheckState.Unchecked
             return checked if role == Qt.ItemDataRole.CheckStateRole else None
@@ -87,7 +93,7 @@ class TiePointModel(QAbstractTableModel):
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:  # noqa: ANN401
         """Qt: take an edit; what is no number is refused and the cell keeps its value."""
-        name = FIELDS[index.column()]
+        name = self._fields[index.column()]
         new: Any
         if name == "enabled" and role == Qt.ItemDataRole.CheckStateRole:
             new = Qt.CheckState(value) is Qt.CheckState.Checked
@@ -105,6 +111,22 @@ class TiePointModel(QAbstractTableModel):
         if points != self.points:
             self.edited.emit(points)
         return True
+
+
+def closed_loop(launch: Launch, end_s: float, name: str) -> TiePoint:
+    """Return the tie point of a run that ended where it began: the launch's own place at the run's end."""
+    point = TiePoint(
+        name,
+        round(end_s, 3),
+        latitude=launch.latitude,
+        longitude=launch.longitude,
+        east_m=launch.east_m,
+        north_m=launch.north_m,
+        up_m=0.0 if launch.elevation_m is None else launch.elevation_m,
+    )
+    if launch.latitude is None and launch.east_m is None:
+        point = replace(point, east_m=0.0, north_m=0.0)
+    return point
 
 
 class TiePointPanel(QWidget):
@@ -173,18 +195,7 @@ class TiePointPanel(QWidget):
     def _on_loop(self) -> None:
         if self._end_s is None:
             return
-        launch = self._launch
-        point = TiePoint(
-            self.tr("back at the launch"),
-            round(self._end_s, 3),
-            latitude=launch.latitude,
-            longitude=launch.longitude,
-            east_m=launch.east_m,
-            north_m=launch.north_m,
-            up_m=0.0 if launch.elevation_m is None else launch.elevation_m,
-        )
-        if launch.latitude is None and launch.east_m is None:
-            point = replace(point, east_m=0.0, north_m=0.0)
+        point = closed_loop(self._launch, self._end_s, self.tr("back at the launch"))
         self.tie_points_changed.emit((*self.model.points, point))
 
     def _on_remove(self) -> None:

@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QWheelEvent
 from PySide6.QtTest import QTest
 
 from processing.survey import Channel, Decision, Stretch, TiePoint, Track, Verdict
+from widgets.path_paint import ellipse_95
 from widgets.path_view import PathView
 from widgets.plan_geometry import (
     PlanScale,
@@ -185,7 +186,7 @@ def test_a_click_on_a_leak_tells_its_number(view, cursor, make_candidate, qtbot)
 def test_known_places_stand_where_they_are_told_else_where_the_device_was(view, cursor):
     ties = (TiePoint("valve", 380.0), TiePoint("map", 100.0, latitude=1.0), TiePoint("never", math.nan))
     view.set_tie_points(ties, lambda tie: (7.0, 9.0) if tie.latitude is not None else None)
-    pins = {pin.name: (pin.east_m, pin.north_m) for pin in view._tie_pins}
+    pins = {pin.name: (pin.east_m, pin.north_m) for pin in view._pins.pins}
     assert pins == {"valve": cursor.position_at(380.0)[:2], "map": (7.0, 9.0)}
 
 
@@ -231,3 +232,13 @@ def test_a_closed_loop_with_everything_on_it_paints(cursor, shown, make_candidat
     view.set_track(None)
     view.set_route(None)
     view.grab()
+
+
+def test_the_ellipse_of_a_place_holds_it_in_95_of_100_cases():
+    cov = np.array([[4.0, 1.5], [1.5, 1.0]])
+    places = np.random.default_rng(5).multivariate_normal([0.0, 0.0], cov, 40_000)
+    ellipse = ellipse_95(cov[0, 0], cov[0, 1], cov[1, 1])
+    cos, sin = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
+    ahead = (places @ np.array([cos, sin])) / ellipse.half_axes_m[0]
+    aside = (places @ np.array([-sin, cos])) / ellipse.half_axes_m[1]
+    assert np.mean(ahead**2 + aside**2 <= 1.0) == pytest.approx(0.95, abs=0.004)
