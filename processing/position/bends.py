@@ -27,6 +27,7 @@ _LEAST_LEAD = 6.0  # over the mirrored map
 _LEAST_SHARE = 0.99  # of the posterior in one place
 _SIGMA_FLOOR_M = 0.3  # a ball in a bend cuts or climbs
 _LOCAL_SEARCH_M = 2.5
+_LEAST_JUMP_M = 0.1
 _MAP_GROWTH = 0.0005  # of the length: what a drawn line is longer or shorter than the pipe
 _CORNER_M = 0.15  # what a square corner is longer than a bend of a metre or two, per radian
 _SQUARE_RAD = np.radians(20.0)  # a bend drawn with points in it turns by less at each
@@ -42,14 +43,20 @@ class BendMatch:
 
 
 def find_bends(
-    odometry: Odometry, route: RouteLine, settings: PositionSettings, progress: Progress, scale_sigma: float = 0.0
+    odometry: Odometry,
+    route: RouteLine,
+    settings: PositionSettings,
+    progress: Progress,
+    scale_sigma: float = 0.0,
+    lost_m2: FloatArray | None = None,
 ) -> BendMatch:
     """Return a fix for each bend of the route that the ball's turns show beyond doubt.
 
     ``scale_sigma`` replaces the odometry's where something outside (the pipe's length) has already told the scale.
-    The odometry's chainage begins at the launch, as the route's does.
+    ``lost_m2`` (m,) is the cumulated variance of what the odometer lost besides slip (slides, gaps): where it grows, no
+    bend is measured. The odometry's chainage begins at the launch, as the route's does.
     """
-    way = _Way.of(odometry)
+    way = _Way.of(odometry, lost_m2)
     length = float(way.chainage_m[-1])
     if length < 4.0 * REACH_M:
         return BendMatch((), 0, ())
@@ -65,7 +72,7 @@ def find_bends(
         return BendMatch((), 0, ())
     seen = _apexes(turns.value, REACH_M / 2.0 / STEP_M)
     profile = Profile(turns.odometer_m, turns.value, mapped, float(table[0]), turns.sigma_rad, 2.0 * REACH_M)
-    prior = Prior(sigma, float(np.hypot(1.0, route.sigma_m)), settings.slip_walk)
+    prior = Prior(sigma, float(np.hypot(1.0, route.sigma_m)), settings.slip_walk, _jumps(way, turns.odometer_m))
     found = match((profile,), turns.odometer_m[seen], prior, progress)
     if not len(seen) or found.gain < _LEAST_GAIN or found.gain - max(found.mirrored_gain, 0.0) < _LEAST_LEAD:
         return BendMatch((), len(bends), (_refused(found, len(seen), len(bends)),))
@@ -93,15 +100,23 @@ def _refused(found: Match, seen: int, mapped: int) -> Finding:
 
 @dataclass(frozen=True)
 class _Way:
-    """The free path by odometer: distinct chainages (k,), places (k, 2)."""
+    """The free path by odometer: distinct chainages (k,), places (k, 2), variance lost before leaving each (k,)."""
 
     chainage_m: FloatArray
     place_m: FloatArray
+    lost_m2: FloatArray
 
     @classmethod
-    def of(cls, odometry: Odometry) -> "_Way":
+    def of(cls, odometry: Odometry, lost_m2: FloatArray | None = None) -> "_Way":
         distinct, first = np.unique(odometry.chainage_m, return_index=True)
-        return cls(distinct, odometry.position_w_m[first, :2])
+        last = np.append(first[1:], len(odometry.chainage_m)) - 1
+        lost = np.zeros(len(distinct)) if lost_m2 is None else lost_m2[last]
+        return cls(distinct, odometry.position_w_m[first, :2], lost)
+
+    def lost(self, low_m: float, high_m: float) -> float:
+        """1-sigma of what was lost between two readings."""
+        low, high = np.interp([low_m, high_m], self.chainage_m, self.lost_m2)
+        return float(np.sqrt(max(high - low, 0.0)))
 
     def at(self, chainage_m: FloatArray) -> FloatArray:
         return np.column_stack([np.interp(chainage_m, self.chainage_m, axis) for axis in self.place_m.T])
@@ -120,6 +135,13 @@ def _measured(way: _Way) -> _Turns:
     # half of a way is straight, or nearly
     noise = float(np.median(np.abs(value - np.median(value)))) / 0.6745
     return _Turns(at, value, float(np.hypot(_NOISE_RAD, min(noise, 2.0 * _NOISE_RAD))))
+
+
+def _jumps(way: _Way, odometer_m: FloatArray) -> dict[int, float]:
+    """What was lost within the step up to each row of the profile, where that is more than the grid resolves."""
+    lost = np.interp(odometer_m, way.chainage_m, way.lost_m2, left=0.0)
+    jump = np.sqrt(np.maximum(np.diff(lost, prepend=0.0), 0.0))
+    return {int(row): float(jump[row]) for row in np.flatnonzero(jump > _LEAST_JUMP_M)}
 
 
 def _apexes(turn: FloatArray, apart: float) -> FloatArray:
@@ -144,6 +166,9 @@ def _fix(
 ) -> tuple[ChainageFix, ...]:
     """Measure where the turn near ``at`` lies on the map, from its shape alone; nothing where it does not fit."""
     nearest = int(np.argmin(np.abs(bend_m - at.place_m)))
+    reach = 2.0 * REACH_M
+    if way.lost(at.odometer_m - reach, at.odometer_m + reach) > _LEAST_JUMP_M:
+        return ()
     if at.share < _LEAST_SHARE or abs(bend_m[nearest] - at.place_m) > _LOCAL_SEARCH_M:
         return ()
     shift = np.arange(-_LOCAL_SEARCH_M, _LOCAL_SEARCH_M + 1e-9, 0.05)

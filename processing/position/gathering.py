@@ -12,17 +12,18 @@ from processing.coordinates import frame_of
 from processing.position.bends import find_bends
 from processing.position.evidence import ChainageIncrement, Evidence, HeightSeries, SlipSpan
 from processing.position.joints import find_joints
-from processing.position.odometry import Odometry, rescaled, started_at
+from processing.position.odometry import Odometry, cumulated, in_spans, rescaled, started_at
 from processing.position.pressure import find_heights
 from processing.position.route import RouteLine, route_line
 from processing.position.slip import find_slips
 from processing.position.ties import launch_tie
 from processing.progress import Progress
 from processing.settings import PositionSettings
-from processing.survey import Attitude, Finding, ImuSamples, Motion, Severity, Survey
+from processing.survey import Attitude, Finding, FloatArray, ImuSamples, Motion, Severity, Survey
 
 _UNKNOWN_SCALE = 0.3  # an odometer without a radius: only the known ends tell its scale
-_TOLD_BY_ENDS = 0.02
+_TOLD_BY_ENDS = 0.03
+_ROUNDING = 1e-6
 
 
 def gather(
@@ -79,8 +80,20 @@ def gather_on_route(
     if launch is not None:
         odometry = started_at(odometry, launch.time_s, launch.sigma_m)
     scaled, sigma = _scaled(odometry, survey, route)
-    found = find_bends(scaled, route, settings, progress, sigma)
+    found = find_bends(scaled, route, settings, progress, sigma, _lost(scaled, known.slips, settings))
     return replace(known, fixes=(*known.fixes, *found.fixes), findings=(*known.findings, *found.findings))
+
+
+def _lost(odometry: Odometry, slips: tuple[SlipSpan, ...], settings: PositionSettings) -> FloatArray:
+    """Cumulated variance (m,) of what gaps and slides lost, beyond the usual slip."""
+    steps = np.diff(odometry.along_var_m2) - settings.slip_walk**2 * np.diff(odometry.chainage_m)
+    steps = np.where(steps > _ROUNDING, steps, 0.0)
+    for slip in slips:
+        inside = in_spans(odometry.time_s, np.array([[slip.start_s, slip.end_s]]))
+        told = float(np.diff(np.interp([slip.start_s, slip.end_s], odometry.time_s, odometry.chainage_m))[0])
+        shares = max(int(np.count_nonzero(inside)), 1)
+        steps[inside] += ((slip.sigma_share * told) ** 2 + slip.sigma_m**2) / shares
+    return cumulated(steps)
 
 
 def _scaled(odometry: Odometry, survey: Survey, route: RouteLine) -> tuple[Odometry, float]:

@@ -7,7 +7,8 @@ recursions give the posterior of the place (Rabiner 1989, "A tutorial on hidden 
 evidence against a device that knows nothing of the map.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -24,15 +25,20 @@ _MOST_SIGMAS = 6.0  # a worse misfit costs no more
 _PRUNED = 1e-9
 _PRUNE_EVERY = 50
 _MOST_CELLS = 120_000
+_FARTHEST_JUMP_M = 60.0
 
 
 @dataclass(frozen=True)
 class Prior:
-    """What the odometer alone says: 1-sigma of its scale, of its start on the map, and of its walk (m/√m)."""
+    """What the odometer alone says: 1-sigma of its scale, of its start on the map, and of its walk (m/√m).
+
+    ``jump_m`` is the 1-sigma of what it lost at some rows of the profile (slid, gap), by row.
+    """
 
     scale_sigma: float
     start_sigma_m: float
     walk: float
+    jump_m: Mapping[int, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -110,12 +116,14 @@ class _Cells:
     offset_m: FloatArray
     start: FloatArray
     walking: float
+    jump_m: Mapping[int, float]
 
     @classmethod
     def of(cls, odometer_m: FloatArray, prior: Prior) -> "_Cells":
         length = float(odometer_m[-1] - odometer_m[0]) + 1.0
         spread = prior.walk * np.sqrt(length)
-        band = 3.5 * np.hypot(spread, prior.start_sigma_m) + 1.0
+        lost = np.sqrt(sum(jump**2 for jump in prior.jump_m.values()))
+        band = 3.5 * np.hypot(spread, prior.start_sigma_m) + min(3.0 * lost, _FARTHEST_JUMP_M) + 1.0
         offset = _GRID_M * np.arange(-np.ceil(band / _GRID_M), np.ceil(band / _GRID_M) + 1)
         step = max(0.7 * spread / length, 6.0 * prior.scale_sigma * len(offset) / _MOST_CELLS)
         most = np.ceil(3.0 * prior.scale_sigma / step)
@@ -123,10 +131,14 @@ class _Cells:
         weight = np.exp(-0.5 * (scale / prior.scale_sigma) ** 2)
         start = np.exp(-0.5 * (offset / max(prior.start_sigma_m, _GRID_M)) ** 2)
         walking = min(0.5 * prior.walk**2 * STEP_M / _GRID_M**2, 0.33)
-        return cls(scale, weight / weight.sum(), offset, start / start.sum(), walking)
+        return cls(scale, weight / weight.sum(), offset, start / start.sum(), walking, prior.jump_m)
 
-    def walked(self, mass: FloatArray) -> FloatArray:
-        """One step of the slip's random walk, whose variance a step is exactly ``walk²·STEP_M``."""
+    def walked(self, mass: FloatArray, row: int) -> FloatArray:
+        """The step up to ``row`` of the slip's random walk, of variance ``walk²·STEP_M``, and what was lost there."""
+        if row in self.jump_m:
+            from scipy.ndimage import gaussian_filter1d
+
+            mass = gaussian_filter1d(mass, self.jump_m[row] / _GRID_M, axis=1, mode="constant", truncate=3.0)
         out = (1.0 - 2.0 * self.walking) * mass
         out[:, 1:] += self.walking * mass[:, :-1]
         out[:, :-1] += self.walking * mass[:, 1:]
@@ -157,7 +169,9 @@ def _forward(profiles: tuple[Profile, ...], cells: _Cells, rows: Rows, progress:
     at: dict[int, tuple[Rows, FloatArray]] = {}
     wanted = set(np.asarray(rows).tolist())
     for row in range(len(odometer)):
-        mass = cells.walked(mass) * _likelihood(profiles, row, cells.places(float(odometer[row]), cells.scale[kept]))
+        mass = cells.walked(mass, row) * _likelihood(
+            profiles, row, cells.places(float(odometer[row]), cells.scale[kept])
+        )
         total = float(mass.sum())
         log_evidence += float(np.log(total))
         mass /= total
@@ -185,7 +199,7 @@ def _backward(
             posterior = forward.at[row] * mass
             placed[row] = _mode(float(odometer[row]), posterior, places)
             best_scale = float(np.sum(posterior.sum(axis=1) * scale) / posterior.sum())
-        mass = cells.walked(mass * _likelihood(profiles, row, places))
+        mass = cells.walked(mass * _likelihood(profiles, row, places), row)
         mass /= mass.max()
         if row % _PRUNE_EVERY == 0:
             progress.update(1.0 - row / len(odometer), "position_bends")

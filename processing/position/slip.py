@@ -43,8 +43,8 @@ _LOST_HEADING_RAD = 0.5
 class _Bins:
     """Means over a tenth of a second: rolled velocity (k, 2), acceleration (k, 3) less gravity, turning (k, 3).
 
-    ``bad`` is the share of rows that are missing or not valid, ``blow`` the largest specific force, ``peak`` the
-    largest rate about an axis.
+    ``bad`` is the share of rows that are missing or not valid, ``logged`` whether there is any row; ``blow`` is the
+    largest specific force and ``peak`` the largest rate about an axis.
     """
 
     time_s: FloatArray
@@ -52,6 +52,7 @@ class _Bins:
     acc_mps2: FloatArray
     turning_radps: FloatArray
     bad: FloatArray
+    logged: BoolArray
     blow_mps2: FloatArray
     peak_radps: FloatArray
 
@@ -75,12 +76,13 @@ def _binned(imu: ImuSamples, attitude: Attitude, radius_m: float, progress: Prog
     count = int((float(imu.time_s[-1]) - start) / _BIN_S) + 1
     # a clock that jumps by years must not fill the memory
     count = min(count, 20 * len(imu.time_s))
-    sums, good = np.zeros((count, 6)), np.zeros(count)
+    sums, good, logged = np.zeros((count, 6)), np.zeros(count), np.zeros(count)
     blow, peak = np.zeros(count), np.zeros(count)
     for low in range(0, len(imu.time_s), _BLOCK_ROWS):
         rows = np.arange(low, min(low + _BLOCK_ROWS, len(imu.time_s)))
-        rows = rows[imu.valid[rows]]
         at = ((imu.time_s[rows] - start) / _BIN_S).astype(np.int64)
+        logged += np.bincount(at[at < count], minlength=count)
+        rows, at = rows[imu.valid[rows]], at[imu.valid[rows]]
         rows, at = rows[at < count], at[at < count]
         bias = attitude.bias_radps if attitude.bias_radps.ndim == 1 else attitude.bias_radps[rows]
         quat, gyr, acc = attitude.quat_ws[rows], imu.gyr_s_radps[rows] - bias, imu.acc_s_mps2[rows]
@@ -101,7 +103,7 @@ def _binned(imu: ImuSamples, attitude: Attitude, radius_m: float, progress: Prog
     bad = np.clip(1.0 - good / usual, 0.0, 1.0)
     blow, peak = np.asarray(blow, dtype=np.float64), np.asarray(peak, dtype=np.float64)
     turning, acc = np.asarray(turning, dtype=np.float64), np.asarray(acc, dtype=np.float64)
-    return _Bins(time_s, rolled, acc, turning, bad, blow, peak)
+    return _Bins(time_s, rolled, acc, turning, bad, logged > 0, blow, peak)
 
 
 def _smooth(values: FloatArray, window_s: float) -> FloatArray:
@@ -129,7 +131,7 @@ def _limits(bins: _Bins, imu: ImuSamples) -> list[SlipSpan]:
     Holes without any row belong to the odometer, which bridges and names them.
     """
     share = _smooth(bins.bad, _BAD_WINDOW_S)
-    flags = (share > _BAD_SHARE) & (share < 0.999)
+    flags = (share > _BAD_SHARE) & bins.logged
     if not np.any(flags) or bool(np.all(imu.valid)):
         return []
     out = []
@@ -137,9 +139,9 @@ def _limits(bins: _Bins, imu: ImuSamples) -> list[SlipSpan]:
     top = float(bins.peak_radps.max())
     ranged = bool(np.any((top > _NEAR_LIMIT * limits) & (top < 1.01 * limits)))
     for start, end in _spans(flags, bins.time_s, 0.0):
-        inside = (bins.time_s >= start) & (bins.time_s <= end)
+        inside = (bins.time_s >= start - _BAD_WINDOW_S) & (bins.time_s <= end + _BAD_WINDOW_S)
         at_limit = ranged and float(bins.peak_radps[inside].max()) > 0.9 * top
-        lost = float(share[inside].max())
+        lost = min(float(share[inside].max()), 1.0)
         reason = "slip_gyro_limit" if at_limit else ""
         out.append(SlipSpan(start, end, reason, lost, 0.0, _LOST_HEADING_RAD * lost if at_limit else 0.0))
     return out
