@@ -31,6 +31,7 @@ _K = cython.declare(cython.int, 111)  # gain (9)
 _H = cython.declare(cython.int, 120)  # P Hᵀ (9)
 _G = cython.declare(cython.double, 9.80665)
 _QUIET_TAU_S = cython.declare(cython.double, 0.5)
+_REST_AFTER_S = cython.declare(cython.double, 1.5)
 
 
 @cython.cfunc
@@ -110,17 +111,9 @@ def _matrix(q: cython.double[::1], out: cython.double[::1]) -> cython.void:
 @cython.nogil
 @cython.exceptval(check=False)
 def propagate(
-    s: cython.double[::1],
-    t: cython.double[::1],
-    rx: cython.double,
-    ry: cython.double,
-    rz: cython.double,
-    dt_s: cython.double,
-    ax: cython.double,
-    ay: cython.double,
-    az: cython.double,
-    moves: cython.bint,
-) -> cython.void:
+    s: cython.double[::1], t: cython.double[::1], rx: cython.double, ry: cython.double, rz: cython.double,
+    dt_s: cython.double, ax: cython.double, ay: cython.double, az: cython.double, moves: cython.bint,
+) -> cython.void:  # fmt: skip
     """Move attitude and velocity over one sample: rotation vector ``r`` with the bias in it, specific force in g.
 
     ``scratch`` must hold ``R(q)`` at 81 and holds that of the new q afterwards; the mean of both, with which the
@@ -149,13 +142,9 @@ def propagate(
 @cython.nogil
 @cython.exceptval(check=False)
 def spread(
-    s: cython.double[::1],
-    t: cython.double[::1],
-    dt_s: cython.double,
-    gyr_variance: cython.double,
-    bias_variance: cython.double,
-    acc_variance: cython.double,
-) -> cython.void:
+    s: cython.double[::1], t: cython.double[::1], dt_s: cython.double, gyr_variance: cython.double,
+    bias_variance: cython.double, acc_variance: cython.double,
+) -> cython.void:  # fmt: skip
     """``P ← F P Fᵀ + Q`` with ``θ' = θ − R̄ b dt`` and ``v' = v − [a]× θ dt``, ``R̄`` and ``a`` as left in scratch.
 
     Of θ only the tilt acts on v: the velocity is told in the axes of the estimate, and turns with its heading, so that
@@ -206,12 +195,9 @@ def spread(
 @cython.nogil
 @cython.exceptval(check=False)
 def _correct(
-    s: cython.double[::1],
-    t: cython.double[::1],
-    which: cython.Py_ssize_t,
-    innovation: cython.double,
+    s: cython.double[::1], t: cython.double[::1], which: cython.Py_ssize_t, innovation: cython.double,
     variance: cython.double,
-) -> cython.void:
+) -> cython.void:  # fmt: skip
     """Correct by a reading of component ``which`` of the error, whose estimate so far stands in scratch."""
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
@@ -284,58 +270,41 @@ def _inject(s: cython.double[::1], t: cython.double[::1]) -> cython.void:
 @cython.nogil
 @cython.exceptval(check=False)
 def _rests(
-    s: cython.double[::1],
-    gx: cython.double,
-    gy: cython.double,
-    gz: cython.double,
-    ax: cython.double,
-    ay: cython.double,
-    az: cython.double,
-    dt_s: cython.double,
-    rest_radps: cython.double,
-    rest_g: cython.double,
-    rest_after_s: cython.double,
-) -> cython.bint:
-    """Return whether rates (rad/s) and specific force (g) have kept close to their own mean for long enough."""
+    s: cython.double[::1], turn: cython.double[:, ::1], acc_g: cython.double[:, ::1], k: cython.Py_ssize_t,
+    dt_s: cython.double, rest_radps: cython.double, rest_g: cython.double,
+) -> cython.bint:  # fmt: skip
+    """Return whether rates and specific force have kept close to their own smoothed values for long enough."""
     i: cython.Py_ssize_t
+    off: cython.double
+    rate_off: cython.double = 0.0
+    acc_off: cython.double = 0.0
     gain: cython.double = dt_s / (_QUIET_TAU_S + dt_s)
+    quiet: cython.bint = True
     if s[_BEGUN] == 0.0:
         gain = 1.0
         s[_BEGUN] = 1.0
-    s[_SLOW] += gain * (gx - s[_SLOW])
-    s[_SLOW + 1] += gain * (gy - s[_SLOW + 1])
-    s[_SLOW + 2] += gain * (gz - s[_SLOW + 2])
-    s[_SLOW + 3] += gain * (ax - s[_SLOW + 3])
-    s[_SLOW + 4] += gain * (ay - s[_SLOW + 4])
-    s[_SLOW + 5] += gain * (az - s[_SLOW + 5])
-    gx -= s[_SLOW]
-    gy -= s[_SLOW + 1]
-    gz -= s[_SLOW + 2]
-    ax -= s[_SLOW + 3]
-    ay -= s[_SLOW + 4]
-    az -= s[_SLOW + 5]
-    quiet: cython.bint = (
-        gx * gx + gy * gy + gz * gz < rest_radps * rest_radps and ax * ax + ay * ay + az * az < rest_g * rest_g
-    )
     for i in range(3):
+        off = turn[k, i] / dt_s - s[_SLOW + i]
+        s[_SLOW + i] += gain * off
+        rate_off += (1.0 - gain) * off * (1.0 - gain) * off
+        off = acc_g[k, i] - s[_SLOW + 3 + i]
+        s[_SLOW + 3 + i] += gain * off
+        acc_off += (1.0 - gain) * off * (1.0 - gain) * off
         if fabs(s[_SLOW + i] - s[_B + i]) > rest_radps:
             quiet = False
+    if rate_off >= rest_radps * rest_radps or acc_off >= rest_g * rest_g:
+        quiet = False
     s[_QUIET] = s[_QUIET] + dt_s if quiet else 0.0
-    return s[_QUIET] > rest_after_s
+    return s[_QUIET] > _REST_AFTER_S
 
 
 @cython.ccall
 @cython.nogil
 @cython.exceptval(check=False)
 def heading_sigma(
-    east: cython.double,
-    north: cython.double,
-    up: cython.double,
-    sigma: cython.double,
-    dip: cython.double,
-    norm_tolerance: cython.double,
-    dip_tolerance: cython.double,
-) -> cython.double:
+    east: cython.double, north: cython.double, up: cython.double, sigma: cython.double, dip: cython.double,
+    norm_tolerance: cython.double, dip_tolerance: cython.double,
+) -> cython.double:  # fmt: skip
     """Return how far a field (in units of the undisturbed one, in the world) may mislead the heading; −1: reject it.
 
     ``σ √(1 + 4 (Δnorm)² + 16 (Δdip)²)`` with the departures in their tolerances (navigation §6.2).
@@ -346,6 +315,29 @@ def heading_sigma(
     if norm_off >= 1.0 or dip_off >= 1.0 or level <= 0.0:
         return -1.0
     return sigma * sqrt(1.0 + 4.0 * norm_off * norm_off + 16.0 * dip_off * dip_off)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def _take_heading(
+    s: cython.double[::1], t: cython.double[::1], mag: cython.double[:, ::1], k: cython.Py_ssize_t,
+    dt_s: cython.double, noise: cython.double[::1],
+) -> cython.void:  # fmt: skip
+    """Correct the heading by row ``k`` of the field, unless its strength or dip is another's.
+
+    Beyond 3 sigma of what a reading may be off, the reading is doubted by as much as it is off.
+    """
+    east: cython.double = t[_R] * mag[k, 0] + t[_R + 1] * mag[k, 1] + t[_R + 2] * mag[k, 2]
+    north: cython.double = t[_R + 3] * mag[k, 0] + t[_R + 4] * mag[k, 1] + t[_R + 5] * mag[k, 2]
+    up: cython.double = t[_R + 6] * mag[k, 0] + t[_R + 7] * mag[k, 1] + t[_R + 8] * mag[k, 2]
+    sigma: cython.double = heading_sigma(east, north, up, noise[6], noise[8], noise[9], noise[10])
+    if sigma > 0.0:
+        value: cython.double = atan2(east, north)
+        sigma *= sigma
+        if value * value > 9.0 * (s[_P + 20] + sigma):
+            sigma = value * value / 9.0
+        _correct_heading(s, t, value, sigma * noise[7] * noise[7] / dt_s)
 
 
 def eskf(
@@ -376,11 +368,7 @@ def eskf(
     k: cython.Py_ssize_t
     j: cython.Py_ssize_t
     dt: cython.double
-    east: cython.double
-    north: cython.double
-    up: cython.double
     value: cython.double
-    sigma: cython.double
     moves: cython.bint
     still: cython.bint
     with cython.nogil:
@@ -394,27 +382,9 @@ def eskf(
                 state, scratch, turn[k, 0], turn[k, 1], turn[k, 2], dt, acc_g[k, 0], acc_g[k, 1], acc_g[k, 2], moves
             )
             if dt > 0.0:
-                spread(
-                    state,
-                    scratch,
-                    dt,
-                    noise[0] * noise[0] * dt,
-                    noise[1] * noise[1] * dt,
-                    noise[2] * noise[2] * dt / (acc_weight[k] if moves else 1.0),
-                )
-                still = _rests(
-                    state,
-                    turn[k, 0] / dt,
-                    turn[k, 1] / dt,
-                    turn[k, 2] / dt,
-                    acc_g[k, 0],
-                    acc_g[k, 1],
-                    acc_g[k, 2],
-                    dt,
-                    noise[11],
-                    noise[12],
-                    1.5,
-                )
+                value = noise[2] * noise[2] * dt / (acc_weight[k] if moves else 1.0)
+                spread(state, scratch, dt, noise[0] * noise[0] * dt, noise[1] * noise[1] * dt, value)
+                still = _rests(state, turn, acc_g, k, dt, noise[11], noise[12])
                 value = noise[4] if still else noise[3]
                 for j in range(3):
                     _correct(state, scratch, 6 + j, -state[_V + j], value * value / dt)
@@ -422,17 +392,7 @@ def eskf(
                     for j in range(3):
                         _correct(state, scratch, 3 + j, turn[k, j] / dt - state[_B + j], noise[5] * noise[5] / dt)
                 if has_mag and mag_weight[k] > 0.0:
-                    east = scratch[_R] * mag[k, 0] + scratch[_R + 1] * mag[k, 1] + scratch[_R + 2] * mag[k, 2]
-                    north = scratch[_R + 3] * mag[k, 0] + scratch[_R + 4] * mag[k, 1] + scratch[_R + 5] * mag[k, 2]
-                    up = scratch[_R + 6] * mag[k, 0] + scratch[_R + 7] * mag[k, 1] + scratch[_R + 8] * mag[k, 2]
-                    sigma = heading_sigma(east, north, up, noise[6], noise[8], noise[9], noise[10])
-                    if sigma > 0.0:
-                        value = atan2(east, north)
-                        sigma *= sigma
-                        # beyond 3 sigma of what a reading may be off, the reading is doubted by as much as it is off
-                        if value * value > 9.0 * (state[_P + 20] + sigma):
-                            sigma = value * value / 9.0
-                        _correct_heading(state, scratch, value, sigma * noise[7] * noise[7] / dt)
+                    _take_heading(state, scratch, mag, k, dt, noise)
                 _inject(state, scratch)
             for j in range(4):
                 out[k, j] = state[j]
