@@ -198,6 +198,7 @@ def print_table(kept):
         )
     print_levels(runs)
     print_wrong(runs)
+    print_summary(runs)
 
 
 def print_levels(runs):
@@ -222,6 +223,29 @@ def print_wrong(runs):
         right = [run[key.replace("wrong", "250")] for run in runs if key.replace("wrong", "250") in run]
         false = np.mean([bool(r["held"]) for r in right]) if right else float("nan")
         print(f"{key:32s} {100 * found:8.1f} {100 * alone:10.1f} {100 * false:10.1f}", flush=True)
+
+
+def print_summary(runs):
+    """Print what the acceptance list asks for, kind by kind."""
+    print("\nsummary, targets: 250 m 95 % <= 1 m, 500 m <= 2 m, ends <= 3 m; coverage 92 to 98 %; wrong found >= 95 %")
+    for kind in sorted({key.rpartition(" ")[0] for key in runs[0]}):
+        words = []
+        for name in ("250", "500", "ends"):
+            rows = [run[f"{kind} {name}"] for run in runs if f"{kind} {name}" in run]
+            if not rows:
+                continue
+            along, across = (np.abs([r[n] for r in rows]) for n in ("along", "across"))
+            shares = [
+                100 * np.mean(error <= 1.96 * np.array([r[n] for r in rows]))
+                for error, n in ((along, "sigma_along"), (across, "sigma_across"))
+            ]
+            cross = "" if "best" in kind else f"/{shares[1]:.1f}"
+            words.append(f"{name}: {np.percentile(along, 95):.2f} m, {shares[0]:.1f}{cross} %")
+        wrong = [run[f"{kind} wrong"] for run in runs if f"{kind} wrong" in run]
+        if wrong:
+            words.append(f"wrong: {100 * np.mean([r['wrong'] in r['held'] for r in wrong]):.1f} % found")
+            words.append(f"then {np.percentile(np.abs([r['along'] for r in wrong]), 95):.2f} m")
+        print(f"{kind:20s} " + "; ".join(words), flush=True)
 
 
 def main():

@@ -141,13 +141,14 @@ def print_table(kept, methods, loops, kind):
     width = max(len(m) for m in methods)
     runs = {key: row for key, row in kept.rows.items() if key[2] == kind and key[0] in loops}
     print(f"\nmean end error, % of the way, {len(runs)} runs\n{'':{width}} " + " ".join(f"{n:6d}" for n in loops))
-    summary = []
+    summary, means = [], {}
     for method in methods:
         rows = {n: [pct(r, n, method) for (number, _, _), r in runs.items() if number == n] for n in loops}
         every = np.array([e for errors in rows.values() for e in errors])
         if not len(every):
             continue
         print(f"{method:{width}} " + " ".join(f"{np.mean(rows[n]):6.3f}" if rows[n] else "     -" for n in loops))
+        means[method] = every.mean()
         # what the method adds to the slip that no attitude can mend
         beyond = [
             100.0 * float(np.hypot(*np.subtract(r[method][:2], r["(truth)"][:2]))) / P1_LOOPS[n][2]
@@ -161,7 +162,14 @@ def print_table(kept, methods, loops, kind):
             f"{np.mean(beyond) if beyond else float('nan'):9.3f} {held}"
         )
     print(f"\n{'':{width}}    mean  median     p95  without slip  95 % ellipse holds   (%, all runs)")
-    print("\n".join(summary), flush=True)
+    print("\n".join(summary))
+    said = {
+        "auto": "auto {:.3f} % (target 0.25)",
+        "(truth)": "slip alone {:.3f} %",
+        "(plain vqf)": "plain VQF {:.3f} %",
+    }
+    line = ", ".join(text.format(means[m]) for m, text in said.items() if m in means)
+    print(f"summary: {line}; best {min(means, key=means.get, default='none')}", flush=True)
 
 
 def print_gaps(kept, methods):
