@@ -128,16 +128,17 @@ class Clock:
             phases[last[1]] = phases.get(last[1], 0.0) + now - last[0]
             last[:] = [now, phrase or last[1]]
 
-        began = time.perf_counter()
+        began, began_cpu = time.perf_counter(), time.process_time()
         result = run(Progress(tick))
         tick(1.0, "")
-        seconds = time.perf_counter() - began
+        seconds, cpu = time.perf_counter() - began, time.process_time() - began_cpu
         own, every = self.memory.peak()
         self.total_s += seconds
         self.shares.append((name, seconds))
         print(
-            f"{name:12s} {seconds:8.2f} s  {self.rows / seconds / 1e6:7.2f} Msamples/s   "
-            f"peak {own:6.0f} MB own, {every:6.0f} MB all"
+            f"{name:12s} {seconds:8.2f} s ({cpu:.2f} s of CPU) {self.rows / seconds / 1e6:7.2f} Msamples/s   "
+            f"peak {own:6.0f} MB own, {every:6.0f} MB all",
+            flush=True,
         )
         for phrase, spent in sorted(phases.items(), key=lambda p: -p[1]):
             if spent > 0.02 * seconds and len(phases) > 1:
