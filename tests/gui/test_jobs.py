@@ -1,6 +1,9 @@
 """Long work: one callback each, on the GUI thread; cancel; nothing lost when a step fails."""
 
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QThread
@@ -118,3 +121,29 @@ def test_stop_all_waits_for_the_worker(qtbot, jobs):
     assert jobs.stop_all()
     assert left.is_set()
     qtbot.waitUntil(lambda: not jobs.running)
+
+
+def test_two_steps_after_each_other_may_ask_for_coordinate_systems():
+    # in a process of its own: where it goes wrong (a pool's thread reused under pyproj) it takes the process with it
+    script = """
+import sys
+from PySide6.QtCore import QCoreApplication
+from pyproj import CRS
+from app.jobs import Jobs
+application, jobs, done = QCoreApplication([]), Jobs(), []
+
+def next_one(_name=None):
+    done.append(_name)
+    if len(done) > 5:
+        application.quit()
+    else:
+        jobs.start(lambda _progress: CRS.from_epsg(32600 + len(done)).name, title="work", on_success=next_one)
+
+next_one()
+application.exec()
+jobs.stop_all()
+print(done[-1])
+"""
+    root = Path(__file__).resolve().parent.parent.parent
+    done = subprocess.run([sys.executable, "-c", script], cwd=root, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "WGS 84 / UTM zone 5N"), done.stderr
