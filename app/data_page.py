@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from processing.survey import Finding, Stretch, Survey
+from processing.survey import Finding, Route, Stretch, Survey
 from widgets.findings_panel import FindingsPanel
 from widgets.import_preview import ImportPreview, PreviewedFile
 from widgets.method_panel import MethodRow
@@ -28,7 +28,7 @@ class DataPage(QWidget):
     """Shows a preview before processing, and the same of an open survey after it."""
 
     process_asked = Signal()
-    survey_edited = Signal(object, str)  # Survey, what was edited: "form" or "tie_points"
+    survey_edited = Signal(object, str)  # Survey, what was edited: "form", "tie_points" or "route"
 
     def __init__(self, language: str, methods: dict[str, tuple[MethodRow, ...]], parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -112,6 +112,10 @@ class DataPage(QWidget):
         self.form.setEnabled(writable)
         self.tie_points.set_tie_points(survey.tie_points, survey.launch, writable=writable)
         self._tabs.setTabText(1, self.tr("Tie points ({count})").format(count=len(survey.tie_points)))
+
+    def edit_route(self, route: Route | None) -> None:
+        """Give the survey another mapped route, or none."""
+        self._edit(replace(self._survey, route=route), "route")
 
     def set_findings(
         self, findings: Sequence[Finding], not_assessed: Sequence[Stretch] = (), notes: Sequence[str] = ()

@@ -244,10 +244,10 @@ class FilesControl(QObject):
 
     # --- processing ---
 
-    def reprocess(self) -> None:
-        """Compute everything anew that form, tie points or settings have changed."""
+    def reprocess(self, show: str = "leaks") -> None:
+        """Compute everything anew that form, tie points, route or settings have changed; then show a page."""
         if self._session.folder is not None:
-            self._load(show="leaks")
+            self._load(show)
 
     def _load(self, show: str) -> None:
         folder = self._session.folder
@@ -312,7 +312,7 @@ class FilesControl(QObject):
             self._page.set_survey(survey, writable=True)
             self._show_process()
             return
-        text = self.tr("tie points") if what == "tie_points" else self.tr("form")
+        text = {"tie_points": self.tr("tie points"), "route": self.tr("route")}.get(what, self.tr("form"))
         self._session.push(EditSurvey(self._session, text, survey))
         self._show_survey()
 

@@ -34,6 +34,7 @@ from app.player import Player
 from app.report_control import ReportControl
 from app.review_control import ReviewControl
 from app.review_page import ReviewPage
+from app.route_control import RouteControl
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from app.tie_control import TieControl
@@ -86,6 +87,9 @@ class MainWindow(QMainWindow):
             self._session, services.jobs, self.review_page.methods, self.review_page.path, language, self
         )
         self.ties = TieControl(self._session, self.review_page, self.review_page.markers, self)
+        self.route = RouteControl(
+            self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
+        )
         self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
         self.help = HelpControl(self, services.log_file)
         self.actions_by_id = actions.build(self, self)
@@ -165,6 +169,7 @@ class MainWindow(QMainWindow):
             quiet=True,
         )
         session.survey_changed.connect(self._show_title)
+        session.survey_changed.connect(self._show_enabled)
         session.selection_changed.connect(self._show_enabled)
         session.candidates_changed.connect(self._show_enabled)
         session.refused.connect(self._on_failure)
@@ -282,6 +287,8 @@ class MainWindow(QMainWindow):
             self.actions_by_id[row.id].setEnabled(met[row.needs])
         for name in ("mark", "tie"):
             self.actions_by_id[name].setEnabled(reviewing and session.writable)
+        self.actions_by_id["route"].setEnabled(self.route.ready)
+        self.actions_by_id["route_remove"].setEnabled(self.route.ready and self.data_page.survey.route is not None)
         self.actions_by_id["export"].setEnabled(session.results is not None)
         for page in (*REVIEW_PAGES, "report"):
             self.step_bar.set_enabled(page, enabled=session.results is not None)
@@ -376,11 +383,11 @@ class MainWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Qt: open what was dropped, once the drag has ended on the other side."""
+        """Qt: open what was dropped, or import its route, once the drag has ended on the other side."""
         paths = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
         if paths:
             event.acceptProposedAction()
-            QTimer.singleShot(0, self, lambda: self.files.open_path(paths[0]))
+            QTimer.singleShot(0, self, lambda: self.route.take_dropped(paths[0]))
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Qt: put what is still being typed on disk; everything else is there already."""

@@ -115,15 +115,19 @@ class Mark(QUndoCommand):
 
 
 class EditSurvey(QUndoCommand):
-    """Changes the form or the tie points."""
+    """Changes the form, the tie points or the route; with ``before`` given, it is a change that was made already."""
 
-    def __init__(self, session: SurveySession, text: str, after: Survey) -> None:
+    def __init__(self, session: SurveySession, text: str, after: Survey, *, before: Survey | None = None) -> None:
         super().__init__(text)
         self._session = session
-        self._before, self._after = session.survey, after
+        self._before, self._after = session.survey if before is None else before, after
+        self._made = before is not None
 
     def redo(self) -> None:
         """Qt: write the new values."""
+        made, self._made = self._made, False
+        if made:
+            return
         if not self._session.write_survey(self._after):
             self.setObsolete(True)
 

@@ -29,6 +29,7 @@ class Preferences:
     recent: list[str] = field(default_factory=list)  # newest first
     volume: float = 0.8
     play_band_only: bool = False
+    recent_crs: list[str] = field(default_factory=list)  # EPSG codes chosen for routes, newest first
 
 
 class PreferencesStore:
@@ -73,6 +74,7 @@ class PreferencesStore:
             return defaults
         kept = {k: v for k, v in found.items() if k in known and isinstance(v, type(known[k]))}
         kept["recent"] = [r for r in kept.get("recent", []) if isinstance(r, str)][:MAX_RECENT]
+        kept["recent_crs"] = [c for c in kept.get("recent_crs", []) if isinstance(c, str)][:MAX_RECENT]
         kept["splitters"] = {k: v for k, v in kept.get("splitters", {}).items() if isinstance(v, str)}
         return Preferences(**kept)
 

@@ -1,14 +1,27 @@
 """The form for everything of ``survey.toml`` except tie points: edits come out as whole, new :class:`Survey` values."""
 
+import math
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtWidgets import QComboBox, QFormLayout, QGroupBox, QLabel, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QComboBox,
+    QFormLayout,
+    QGridLayout,
+    QGroupBox,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
 
-from processing.survey import Motion, Survey
+from processing.survey import Motion, Route, Survey
 from widgets.method_panel import MethodRow
-from widgets.optional_number import OptionalNumber
+from widgets.optional_number import OptionalNumber, number_text
 from widgets.vocabulary import motion_text
 
 
@@ -16,6 +29,8 @@ class SurveyForm(QWidget):
     """``methods`` gives the choices of each processing step, ``auto`` first: ``{"orientation": (row, …), …}``."""
 
     survey_changed = Signal(object)  # Survey
+    route_import_asked = Signal()
+    route_removed = Signal()
 
     def __init__(self, methods: dict[str, tuple[MethodRow, ...]], parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -27,6 +42,7 @@ class SurveyForm(QWidget):
             self._run_box(),
             self._pipe_box(),
             self._launch_box(),
+            self._route_box(),
             self._sound_box(),
             self._method_box(methods),
         ):
@@ -93,6 +109,44 @@ class SurveyForm(QWidget):
             (self.tr("in the system"), self._crs),
             (self.tr("Elevation (m)"), self._elevation),
             (self.tr("First heading (° from north)"), self._heading),
+        )
+
+    def _route_box(self) -> QGroupBox:
+        self._route = QLabel()
+        self._route.setTextFormat(Qt.TextFormat.PlainText)
+        self._route.setWordWrap(True)
+        self._remove_route = self._button("remove_route", self.tr("Remove route"))
+        self._remove_route.clicked.connect(self.route_removed)
+        ask = self._button("import_route", self.tr("Import route…"))
+        ask.clicked.connect(self.route_import_asked)
+        box = QGroupBox(self.tr("Mapped route"))
+        grid = QGridLayout(box)
+        grid.addWidget(self._route, 0, 0, 1, 2)
+        grid.addWidget(ask, 1, 0)
+        grid.addWidget(self._remove_route, 1, 1)
+        return box
+
+    def _button(self, name: str, text: str) -> QPushButton:
+        button = QPushButton(text)
+        button.setObjectName(name)
+        button.setMinimumHeight(44)
+        return button
+
+    def _show_route(self, route: Route | None) -> None:
+        self._remove_route.setEnabled(route is not None)
+        if route is None:
+            self._route.setText(self.tr("None. With the pipe's line from the map the path cannot leave it."))
+            return
+        length_m = sum(math.dist(a, b) for a, b in pairwise(route.points))
+        system = self.tr("local metres") if route.crs == "local" else route.crs
+        text = self.tr("{length} m, {count} points, {system}, ± {sigma} m (1σ)")
+        self._route.setText(
+            text.format(
+                length=number_text(round(length_m, 1)),
+                count=len(route.points),
+                system=system,
+                sigma=number_text(route.sigma_m),
+            )
         )
 
     def _sound_box(self) -> QGroupBox:
@@ -192,6 +246,7 @@ class SurveyForm(QWidget):
                 combo.addItem(method, method)
             combo.setCurrentIndex(combo.findData(method))
         self._show_needs(survey.device.motion)
+        self._show_route(survey.route)
         self._quiet = False
 
     def _numbers(self, survey: Survey) -> tuple[tuple[OptionalNumber, float | None], ...]:

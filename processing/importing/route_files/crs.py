@@ -108,6 +108,17 @@ def from_degrees(degrees: FloatArray, crs: str) -> FloatArray:
     return _moved(np.column_stack([degrees, np.zeros(len(degrees))]), WGS84, crs)[:, :2]
 
 
+def projected_roughly(place: tuple[float, float], crs: str) -> FloatArray | None:
+    """Return x and y (2,) of a longitude and latitude without minding the datum: some 300 m wrong, but soon done.
+
+    None for a system of degrees.
+    """
+    from pyproj import Proj
+
+    system = _system(crs)
+    return np.array(Proj(system)(*place)) if system.is_projected else None
+
+
 def transformed(lines: Iterable[RouteLineString], crs: str, other: str) -> list[RouteLineString]:
     """Return the lines in another system."""
     return [replace(line, points=_moved(line.points, crs, other)) for line in lines]
@@ -244,7 +255,11 @@ def _same_places(told: Any, known: Any) -> bool:  # noqa: ANN401
 
 def _moved(points: FloatArray, crs: str, other: str) -> FloatArray:
     from pyproj import Transformer
+    from pyproj.exceptions import ProjError
 
-    move = Transformer.from_crs(_system(crs), _system(other), always_xy=True)
+    try:
+        move = Transformer.from_crs(_system(crs), _system(other), always_xy=True)
+    except ProjError:  # no way is known from the one to the other
+        raise LeaklineError(ErrorCode.ROUTE_OUTSIDE_CRS, crs=crs_label(other if crs == WGS84 else crs)) from None
     x, y = move.transform(points[:, 0], points[:, 1])
     return np.column_stack([x, y, points[:, 2]])

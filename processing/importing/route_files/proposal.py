@@ -1,6 +1,6 @@
 """What a route file would give under the operator's answers so far: sections for a map, the chosen line, its route."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from processing.coordinates import is_local, local_frame
 from processing.errors import ErrorCode, LeaklineError
 from processing.importing.route_files.building import FROM_LAUNCH, BuiltRoute, RouteChoice, map_scale, route_from
-from processing.importing.route_files.crs import from_degrees
+from processing.importing.route_files.crs import CrsEntry, from_degrees, metres_scale, projected_roughly, search
 from processing.importing.route_files.joining import (
     TOLERANCE_M,
     Section,
@@ -23,6 +23,8 @@ from processing.survey import FloatArray, Survey
 MAP_POINTS = 60_000  # what a screen can show of all sections together
 ROUGH = {"KML": 3.0, "GPX": 3.0}  # drawn on pictures or walked with a handheld: 1 sigma in metres
 SIGMA_M = 0.5
+TRIED_SYSTEMS = 25
+FITS_M = 1000.0
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,39 @@ def first_answer(file: RouteFile, survey: Survey) -> RouteAnswer:
     if crs is None and file.crs_source is CrsSource.ASK and survey.launch.crs and not is_local(survey.launch.crs):
         crs = survey.launch.crs.strip()  # the utility's own grid, most likely
     return RouteAnswer(crs=crs, unit_m=file.unit_m, sigma_m=ROUGH.get(file.format, SIGMA_M))
+
+
+def fitting_systems(
+    file: RouteFile, entries: Iterable[CrsEntry], near: tuple[float, float] | None
+) -> tuple[tuple[str, float], ...]:
+    """Return the systems in which the lines of a file without one would pass ``near`` (longitude, latitude).
+
+    Each with how many metres the nearest point of the lines is away; the nearest first. The operator decides: systems
+    of two datums lie some hundred metres apart, and the launch may be that wrong.
+    """
+    if near is None or file.crs is not None:
+        return ()
+    points = np.concatenate([line.points[:, :2] for line in file.lines])
+    found = []
+    for entry in search(entries, "", near, TRIED_SYSTEMS):
+        rough = projected_roughly(near, entry.code)
+        if rough is None or _away_m(points, rough, entry.code, file.unit_m) > 2.0 * FITS_M:
+            continue
+        try:
+            away_m = _away_m(points, from_degrees(np.array([near]), entry.code)[0], entry.code, file.unit_m)
+        except LeaklineError:
+            continue  # no way is known into it: it is of no use for a route either
+        if away_m < FITS_M:
+            found.append((entry.code, away_m))
+    return tuple(sorted(found, key=lambda pair: pair[1]))
+
+
+def _away_m(points: FloatArray, place: FloatArray, crs: str, unit_m: float | None) -> float:
+    """How many metres the nearest of the points, in ``unit_m``, is from a place in the units of a system."""
+    if not np.isfinite(place).all():
+        return float("inf")
+    own, given = metres_scale(crs, place[None, :])[0], unit_m or metres_scale(crs, place[None, :])[0]
+    return float(np.hypot(*(points * given - place * own).T).min())
 
 
 def propose(file: RouteFile, answer: RouteAnswer, survey: Survey, progress: Progress) -> RouteProposal:

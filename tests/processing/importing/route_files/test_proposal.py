@@ -8,8 +8,9 @@ import pytest
 from route_files import GRID, in_degrees, main_pipe
 
 from processing.errors import ErrorCode
+from processing.importing.route_files.crs import all_systems
 from processing.importing.route_files.lines import CrsSource, RouteFile, RouteLineString
-from processing.importing.route_files.proposal import first_answer, pieces_of, propose
+from processing.importing.route_files.proposal import first_answer, fitting_systems, pieces_of, propose
 from processing.progress import silent
 from processing.survey import Launch, Survey
 
@@ -93,3 +94,14 @@ def test_degrees_and_swapped_columns_are_drawn_in_metres_north_up():
 
 def test_handheld_tracks_are_trusted_less():
     assert first_answer(file_of(PIPE, kind="GPX"), Survey()).sigma_m > first_answer(NETWORK, Survey()).sigma_m
+
+
+def test_a_drawing_without_a_system_is_tried_in_those_of_the_place():
+    file = file_of(PIPE * [1000.0, 1000.0, 1.0], crs=None, kind="DXF")
+    longitude, latitude = in_degrees(PIPE[:1])[0, :2]
+    entries = all_systems()
+    found = fitting_systems(replace(file, unit_m=0.001), entries, (longitude, latitude))
+    assert found[0] == (GRID, pytest.approx(0.0, abs=0.01))
+    others = dict(found)
+    assert 50.0 < others["EPSG:2320"] < 400.0  # the same grid on the old datum
+    assert fitting_systems(file, entries, None) == ()
