@@ -14,6 +14,7 @@ from PySide6.QtCore import QObject, QRunnable, QThreadPool, QTimer, Signal, Slot
 
 from processing.errors import Cancelled
 from processing.progress import Progress
+from widgets.own_thread import in_own_thread
 
 log = logging.getLogger(__name__)
 
@@ -80,25 +81,11 @@ class _Work(QRunnable):
         self.setAutoDelete(False)
         self._job, self._step = job, step
         self._last_s, self._phrase = 0.0, ""
-        self._value: Any = None
-        self._error: Exception | None = None
 
     def run(self) -> None:
-        # A thread of Python's own for each step: pyproj keeps a pointer per native thread to what dies with Python's
-        # state of that thread, and a thread of Qt's pool outlives that: the second step would crash the program
-        thread = threading.Thread(target=self._run_step, name=self._job.title)
-        thread.start()
-        thread.join()
-        value, self._value = self._value, None  # what it made is no longer ours to keep
-        self._job._ended.emit(value, self._error)  # noqa: SLF001
-
-    def _run_step(self) -> None:
-        try:
-            self._value = self._step(Progress(self._report, self._job._cancel.is_set))  # noqa: SLF001
-        except Cancelled as wish:
-            self._error = wish
-        except Exception as fault:  # noqa: BLE001  # handed to the GUI thread, which tells or logs it
-            self._error = fault
+        progress = Progress(self._report, self._job._cancel.is_set)  # noqa: SLF001
+        value, error = in_own_thread(lambda: self._step(progress), self._job.title)
+        self._job._ended.emit(value, error)  # noqa: SLF001
 
     def _report(self, fraction: float, phrase: str) -> None:
         now_s = time.monotonic()

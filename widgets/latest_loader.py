@@ -6,6 +6,7 @@ from typing import Any
 from PySide6.QtCore import QObject, QRunnable, Qt, QThreadPool, Signal
 
 from processing.errors import LeaklineError
+from widgets.own_thread import in_own_thread
 
 
 class _Outbox(QObject):
@@ -24,10 +25,7 @@ class _Read(QRunnable):
 
     def run(self) -> None:
         """Read, and hand over the result or the error: a worker thread has nobody else to tell."""
-        try:
-            result, error = self._read(), None
-        except Exception as caught:  # noqa: BLE001  # raised again on the window's thread
-            result, error = None, caught
+        result, error = in_own_thread(self._read)
         self._outbox.done.emit(self._generation, result, error)
 
 
