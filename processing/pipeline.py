@@ -18,7 +18,8 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.importing.folder import ImportOptions, import_folder
 from processing.orientation.calibration import Calibration
 from processing.orientation.registry import estimate_attitude
-from processing.position.fitting import Fitted, fit
+from processing.position.fit_results import Fitted
+from processing.position.fitting import fit
 from processing.position.registry import Reckoned, find_reckoned, problem_of
 from processing.progress import Progress, silent
 from processing.results import Results
@@ -46,7 +47,7 @@ from processing.survey import (
 T = TypeVar("T")
 
 # raised when a step's result changes for the same input, so that old caches are not believed
-VERSIONS = {"recording": 1, "attitude": 3, "odometry": 1, "track": 2, "scan": 1, "clock": 1, "candidates": 1}
+VERSIONS = {"recording": 1, "attitude": 3, "odometry": 2, "track": 3, "scan": 1, "clock": 1, "candidates": 1}
 
 FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast
 
@@ -155,6 +156,7 @@ def process(
         timings=steps.timings,
         reckoned=path.reckoned if path is not None else None,
         tie_checks=path.fitted.checks if path is not None else (),
+        series=path.fitted.series if path is not None else None,
     )
 
 
@@ -224,7 +226,13 @@ def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, im
     )
     known = survey.pipe.length_m is not None or any(t.enabled and t.chainage_m for t in survey.tie_points)
     # where the radius is not told, it matters whether anything can tell it: else no tie point has a part here
-    told = (survey.device, survey.processing.position, survey.device.radius_m is None and known)
+    told = (
+        survey.device,
+        survey.processing.position,
+        survey.pipe.joint_spacing_m,
+        survey.pipe.diameter_m,
+        survey.device.radius_m is None and known,
+    )
     reckoned_key = digest(key, settings.position, *told)
     reckoned = steps.cached(
         "odometry",

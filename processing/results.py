@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from processing.orientation.calibration import Calibration
+from processing.position.fit_results import FitSeries
 from processing.position.registry import Reckoned
 from processing.position.tie_checks import TieCheck
 from processing.settings import Settings
@@ -31,3 +32,4 @@ class Results:
     timings: dict[str, float]
     reckoned: Reckoned | None = None  # what the path is fitted from: `problem_of` makes the live fit of it
     tie_checks: tuple[TieCheck, ...] = ()
+    series: FitSeries | None = None  # the course of the fit's unknowns

@@ -136,9 +136,11 @@ class PositionSettings:
     track_rate_hz: float = tunable(20.0, "Hz", 10.0, 200.0, "formats.md promises 10 rows a second or more")
     # odometry
     scale_sigma_pct: float = tunable(2.0, "%", 0.05, 50.0, "a ball not calibrated in this pipe (navigation §6.4)")
-    slip_sigma_pct: float = tunable(1.2, "%", 0.0, 20.0, "with tau and walk the wheels of navigation §4.4, median 0.084")
+    slip_sigma_pct: float = tunable(
+        1.0, "%", 0.0, 20.0, "each run tells its own level; the wheels of navigation §4.4 show twice this"
+    )
     slip_tau_s: float = tunable(15.0, "s", 0.1, 3600.0, "slip varies within seconds (navigation §6.4: 5 to 20 s)")
-    slip_walk: float = tunable(0.05, "m/√m", 0.001, 2.0, "what is left beside the slip that varies slowly")
+    slip_walk: float = tunable(0.01, "m/√m", 0.001, 2.0, "what is left beside the slip that varies slowly")
     slope_sigma_pct: float = tunable(1.0, "%", 0.0, 30.0, "a rolling ball does not feel a constant slope")
     rolling_still_dps: float = tunable(2.0, "°/s", 0.1, 50.0, "a ball that turns more slowly lies still")
     reverse_max_m: float = tunable(2.0, "m", 0.1, 100.0, "rolling back further than this is a turn of the pipe")
@@ -156,19 +158,16 @@ class PositionSettings:
     zero_velocity_threshold: str = choice(
         "adaptive", ("adaptive", "fixed"), "a fixed one suits one gait only: 4.9 m instead of 0.1 m (navigation §4.2)"
     )
-    foot_still_mps: float = tunable(
-        0.01, "m/s", 0.0005, 0.5, "how still a stance is (PyShoe); on the VICON trials least error"
+    foot_still_mps: float = tunable(0.02, "m/s", 0.0005, 0.5, "how still a stance is; 0.01 to 0.05 do alike")
+    foot_acc_noise: float = tunable(0.01, "m/s/√s", 0.0001, 5.0, "of smooth motion; least error on the VICON trials")
+    foot_jolt_share: float = tunable(
+        0.14, "1", 0.0, 10.0, "of the change between two samples, what integration misses: impacts are where strides err"
     )
-    foot_acc_noise: float = tunable(
-        0.035, "m/s/√s", 0.0001, 5.0, "with impacts and roll-off; PyShoe's 0.5 m/s² at 200 Hz"
-    )
-    foot_gyr_noise_dps: float = tunable(0.035, "°/√s", 0.0001, 5.0, "likewise, PyShoe's 0.5 °/s at 200 Hz")
-    foot_acc_offset_sigma: float = tunable(
-        0.02, "m/s²", 0.0, 1.0, "consumer MEMS after the resting level was taken off"
-    )
+    foot_gyr_noise_dps: float = tunable(0.07, "°/√s", 0.0001, 5.0, "twice PyShoe's 0.5 °/s at 200 Hz; least error")
+    foot_acc_offset_sigma: float = tunable(0.05, "m/s²", 0.0, 1.0, "consumer MEMS; 0.005 to 0.2 do alike")
     foot_acc_offset_walk: float = tunable(1e-4, "m/s²/√s", 0.0, 0.1, "navigation §6.4")
-    foot_gyr_offset_sigma_dps: float = tunable(0.05, "°/s", 0.0, 10.0, "what the orientation step leaves of it")
-    foot_gyr_offset_walk_dps: float = tunable(0.001, "°/s/√s", 0.0, 1.0, "navigation §6.4: 0.003; less did better")
+    foot_gyr_offset_sigma_dps: float = tunable(0.1, "°/s", 0.0, 10.0, "what the orientation step leaves of it")
+    foot_gyr_offset_walk_dps: float = tunable(0.001, "°/s/√s", 0.0, 1.0, "navigation §6.4: 0.003; less did as well")
     foot_error_factor: float = tunable(1.0, "1", 0.1, 50.0, "makes 95 % intervals true on the VICON trials")
     foot_up_error_factor: float = tunable(1.0, "1", 0.1, 50.0, "likewise for height")
     foot_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "a stance that rolls shortens every stride alike")

@@ -1,8 +1,9 @@
-"""The fit of a free path to what is known, by least squares, with an interval at every moment.
+"""The fit of a free path to all that is known, with an interval at every moment.
 
-The unknowns are those of :mod:`processing.position.error_model`; ties pull on them by their sigmas. A tie that all
-others contradict is held down to what they allow, and named. :func:`prepare` does once what no tie changes,
-:func:`fit` gives the whole track, :func:`refit` the same path at some keyframes, quickly enough to follow a hand.
+One smoother over the whole run, its cost linear in the run's length: scale, slip, chainage, place, heading and its
+drift at keyframes (:mod:`processing.position.motion_model`), pulled by tie points, length, route and what the
+recording itself says (:mod:`processing.position.evidence`). :func:`prepare` does once what no tie point changes,
+:func:`fit` gives the whole track, :func:`refit` the same path at the keyframes, quickly enough to follow a hand.
 """
 
 from dataclasses import dataclass, replace
@@ -11,57 +12,48 @@ import numpy as np
 
 from processing.coordinates import LocalFrame, frame_of
 from processing.orientation.quaternions import multiply, turn_about_up
-from processing.position.error_model import Rows, Sigmas, outer
+from processing.position.error_model import Rows
 from processing.position.evidence import Evidence
-from processing.position.heading import HeadingStart, heading_start, route_turn
-from processing.position.odometry import Odometry, rescaled, started_at, thinned
+from processing.position.factors import collect
+from processing.position.fit_results import FitPreview, FitSeries, Fitted
+from processing.position.heading import HeadingStart, heading_start, initial_direction
+from processing.position.height import Heights, find_heights
+from processing.position.keyframes import (
+    Keyframes,
+    even_rows,
+    event_times,
+    keyframes_at,
+    moments_of,
+    nearest_rows,
+)
+from processing.position.motion_model import Prior
+from processing.position.odometry import Odometry, rescaled, started_at, thinned, with_slips
 from processing.position.route import RouteLine, route_line
-from processing.position.solving import TURNS, Solution, solve, variances
-from processing.position.tie_checks import TieCheck, checks_of, hold_down, inflation_of
+from processing.position.smoothing import TURNS, Settled, settle
+from processing.position.tie_checks import TieCheck, checks_of
 from processing.position.ties import Observation, launch_tie, observations
+from processing.position.whole_track import preview_of, series_of, track_of
 from processing.progress import Progress, silent
 from processing.settings import PositionSettings
-from processing.survey import Finding, FloatArray, Params, Severity, Survey, Track
+from processing.survey import Finding, FloatArray, Params, Severity, Survey, TiePoint, Track
 
-_COARSE_ROWS = 4000
-_OPEN_SCALE = 0.2  # while ties are checked against each other, the radius has no say
 _RESCALE_SIGMA = 0.3
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """The track, and the table of its ties."""
-
-    track: Track
-    checks: tuple[TieCheck, ...]
+_SETTING_OUT_M = 70.0
+_SPEED_WINDOW_S = 2.0  # on both sides of a tie point
 
 
 @dataclass(frozen=True)
 class FitProblem:
-    """All of a fit that no tie point changes: what was reckoned, what else is known, and the keyframes (k,) rows."""
+    """All of a fit that no tie point changes: what was reckoned, what else is known, and the keyframes' ``rows``."""
 
     odometry: Odometry
     evidence: Evidence
     frame: LocalFrame
     route: RouteLine | None
-    rows: Rows
+    rows: Rows  # (k,)
+    moments_m: FloatArray  # (m, 2) as of keyframes.moments_of
+    first_rad: float | None  # in which direction the free path sets out
     findings: tuple[Finding, ...] = ()
-
-
-@dataclass(frozen=True)
-class FitPreview:
-    """The fitted path at k keyframes, to be drawn while a tie point is dragged; sigmas as in :class:`Track`.
-
-    ``cov_level_m2`` (k, 3) holds the variances east-east, east-north, north-north of the place.
-    """
-
-    time_s: FloatArray  # (k,)
-    chainage_m: FloatArray  # (k,)
-    position_w_m: FloatArray  # (k, 3)
-    sigma_along_m: FloatArray  # (k,)
-    sigma_cross_m: FloatArray  # (k,)
-    cov_level_m2: FloatArray  # (k, 3)
-    checks: tuple[TieCheck, ...]
 
 
 def prepare(odometry: Odometry, survey: Survey, evidence: Evidence, settings: PositionSettings) -> FitProblem:
@@ -72,7 +64,13 @@ def prepare(odometry: Odometry, survey: Survey, evidence: Evidence, settings: Po
     """
     frame = frame_of(survey)
     route, findings = route_line(frame, survey.route)
-    return FitProblem(odometry, evidence, frame, route, _keyframes(odometry, round(settings.keyframes)), findings)
+    odometry = with_slips(odometry, evidence.slips)
+    events = nearest_rows(odometry.time_s, event_times(evidence))
+    rows = np.unique(np.concatenate([even_rows(odometry, round(settings.keyframes)), events]))
+    first = initial_direction(odometry)
+    return FitProblem(
+        odometry, evidence, frame, route, rows, moments_of(odometry), first, (*evidence.findings, *findings)
+    )
 
 
 def fit(problem: FitProblem, survey: Survey, settings: PositionSettings, progress: Progress) -> Fitted:
@@ -81,170 +79,139 @@ def fit(problem: FitProblem, survey: Survey, settings: PositionSettings, progres
     Raises:
         LeaklineError: CRS_UNKNOWN, LAUNCH_INCOMPLETE, LAUNCH_INVALID.
     """
-    return _fitted(problem.odometry, problem, survey, settings, progress)
+    fitted = _fitted(problem, survey, settings, progress)
+    odometry = fitted.placing.applied(problem.odometry)
+    track = track_of(odometry, fitted.frames, fitted.settled, fitted.heights, problem.route)
+    series = series_of(fitted.frames, fitted.settled, fitted.placing.factor)
+    findings = (*odometry.findings, *problem.findings, *fitted.findings, *_fit_findings(fitted, problem, track))
+    quality = _quality(fitted, odometry, series, track)
+    return Fitted(replace(track, findings=findings, quality=quality), fitted.checks, series)
 
 
 def refit(problem: FitProblem, survey: Survey, settings: PositionSettings) -> FitPreview:
-    """Return the same path as :func:`fit` at the keyframes; errors as there."""
-    times = np.array([t.time_s for t in survey.tie_points if t.enabled])
-    count = len(problem.odometry.time_s)
-    near = np.clip(np.searchsorted(problem.odometry.time_s, times), 0, count - 1)
-    rows = np.unique(np.concatenate([problem.rows, near, np.maximum(near - 1, 0)]))
-    found = _fitted(thinned(problem.odometry, rows), problem, survey, settings, silent())
-    track = found.track
-    assert track.cov_level_m2 is not None
-    return FitPreview(
-        track.time_s,
-        track.chainage_m,
-        track.position_w_m,
-        track.sigma_along_m,
-        track.sigma_cross_m,
-        track.cov_level_m2,
-        found.checks,
-    )
+    """Return the same path as :func:`fit` at the keyframes only; errors as there."""
+    fitted = _fitted(problem, survey, settings, silent())
+    return preview_of(fitted.frames, fitted.settled, fitted.heights, problem.route, fitted.checks)
 
 
-def _keyframes(odometry: Odometry, count: int) -> Rows:
-    """Rows that share out way and time evenly, the ends among them."""
-    way = odometry.chainage_m / max(float(odometry.chainage_m[-1]), 1e-9)
-    since = (odometry.time_s - odometry.time_s[0]) / (odometry.time_s[-1] - odometry.time_s[0])
-    shares = np.linspace(0.0, 1.0, count)
-    rows = np.clip(np.searchsorted(0.8 * way + 0.2 * since, shares), 0, len(way) - 1)
-    return np.unique(np.concatenate([[0], rows, [len(way) - 1]]))
+@dataclass(frozen=True)
+class _Placing:
+    """How the free path is laid before the fit: begun at the launch, taken times a factor, turned."""
+
+    launch: TiePoint | None
+    factor: float
+    turn_rad: float
+
+    def applied(self, odometry: Odometry) -> Odometry:
+        """Return the odometry so laid."""
+        if self.launch is not None:
+            odometry = started_at(odometry, self.launch.time_s, self.launch.sigma_m)
+        if self.factor != 1.0:
+            odometry = rescaled(odometry, self.factor)
+        return replace(
+            odometry,
+            position_w_m=_turned(odometry.position_w_m, self.turn_rad),
+            quat_ws=multiply(turn_about_up(self.turn_rad), odometry.quat_ws),
+        )
 
 
-def _fitted(
-    odometry: Odometry, problem: FitProblem, survey: Survey, settings: PositionSettings, progress: Progress
-) -> Fitted:
-    frame, route, findings = problem.frame, problem.route, problem.findings
-    launch = launch_tie(odometry, survey)
+@dataclass(frozen=True)
+class _Fit:
+    frames: Keyframes
+    settled: Settled
+    heights: Heights
+    checks: tuple[TieCheck, ...]
+    placing: _Placing
+    start: HeadingStart
+    findings: tuple[Finding, ...]
+
+
+def _fitted(problem: FitProblem, survey: Survey, settings: PositionSettings, progress: Progress) -> _Fit:
+    free = keyframes_at(problem.odometry, problem.moments_m, _rows(problem, survey))
+    launch = launch_tie(free.odometry, survey)
+    thin, first = free.odometry, problem.first_rad
     if launch is not None:
-        odometry = started_at(odometry, launch.time_s, launch.sigma_m)
+        thin, first = started_at(thin, launch.time_s, launch.sigma_m), _first_after(problem.odometry, launch)
         survey = replace(survey, tie_points=tuple(t for t in survey.tie_points if t is not launch))
-    ties, more = observations(odometry, survey, frame, route, settings)
-    findings += more
-    odometry, factor = _first_scale(odometry, ties)
+    ties, findings = observations(thin, survey, problem.frame, problem.route, settings)
+    factor = _first_scale(thin, ties)
     if factor != 1.0:  # speeds and the nearest places on the route have changed with the radius
-        ties, _ = observations(odometry, survey, frame, route, settings)
-    start = heading_start(odometry, survey, ties, route, settings)
-    odometry = _turned(odometry, start.turn_rad)
-    sigmas = Sigmas(
-        odometry.scale_sigma, start.sigma_rad, start.drift_radps, odometry.slope_sigma, odometry.start_sigma_m
+        thin = rescaled(thin, factor)
+        ties, _ = observations(thin, survey, problem.frame, problem.route, settings)
+    start = heading_start(thin, survey, ties, problem.route, settings, first)
+    placing = _Placing(launch, factor, start.turn_rad)
+    thin = placing.applied(free.odometry)
+    begun = thin.time_s[:-1] >= launch.time_s if launch is not None else np.ones(len(thin.time_s) - 1, dtype=np.bool_)
+    frames = Keyframes(thin, free.rows, _turned(free.late_m * factor, start.turn_rad) * begun[:, None])
+    prior = Prior(
+        scale=thin.scale_sigma,
+        heading_rad=start.sigma_rad,
+        drift_radps=start.drift_radps,
+        slope=thin.slope_sigma,
+        start_m=thin.start_sigma_m,
+        clock_s=settings.tie_clock_sigma_s,
+        drift_tau_s=settings.heading_drift_tau_s,
     )
-    doubting = replace(sigmas, scale=max(sigmas.scale, _OPEN_SCALE))
-    held = _held_down(odometry, ties, doubting, settings)
-    solution = solve(odometry, held, sigmas, progress)
-    checks = checks_of(solution, ties, held)
-    inflation = inflation_of(checks)
-    track = _track(odometry, solution, route, inflation)
-    quality = _quality(odometry, solution, checks, factor, inflation, start, track)
-    findings += start.findings + _fit_findings(checks, solution, odometry, track, route)
-    return Fitted(replace(track, findings=odometry.findings + findings, quality=quality), checks)
+    heights = find_heights(frames, ties, problem.evidence.heights, prior.slope, prior.start_m)
+    factors = collect(frames, ties, problem.evidence, problem.route is not None)
+    settled = settle(
+        frames, factors, prior, heights.shorter, settings, lambda done: progress.update(done, "position_fit")
+    )
+    checks = checks_of(settled.amid, settled.read, settled.items, settled.held)
+    return _Fit(frames, settled, heights, checks, placing, start, (*findings, *start.findings))
 
 
-def _held_down(
-    odometry: Odometry, ties: tuple[Observation, ...], sigmas: Sigmas, settings: PositionSettings
-) -> tuple[Observation, ...]:
-    """Hold down what all others contradict, on a coarse path: that takes many solutions."""
-    coarse = np.linspace(0, len(odometry.time_s) - 1, _COARSE_ROWS).astype(np.intp)
-    rows = np.unique(np.concatenate([coarse, np.array([t.row for t in ties], dtype=np.intp)]))
-    thin = thinned(odometry, rows)
-    placed = tuple(replace(t, row=int(np.searchsorted(rows, t.row))) for t in ties)
-    held = hold_down(placed, lambda some: solve(thin, some, sigmas, None), settings)
-    return tuple(tie if kept is mine else replace(kept, row=tie.row) for tie, mine, kept in zip(ties, placed, held))
+def _rows(problem: FitProblem, survey: Survey) -> Rows:
+    """The keyframes' rows, and those at and around the tie points, where speed and place are wanted exactly."""
+    times = np.array([t.time_s for t in survey.tie_points if t.enabled])
+    all_s = problem.odometry.time_s
+    around = np.concatenate([times, times - _SPEED_WINDOW_S, times + _SPEED_WINDOW_S])
+    near = np.clip(np.searchsorted(all_s, around), 1, len(all_s) - 1)
+    moved = problem.odometry.chainage_m
+    last = np.searchsorted(moved, moved[-1], side="left")  # where a known length is reached
+    return np.unique(np.concatenate([problem.rows, near, near - 1, [last]]))
 
 
-def _first_scale(odometry: Odometry, ties: tuple[Observation, ...]) -> tuple[Odometry, float]:
+def _first_after(odometry: Odometry, launch: TiePoint) -> float | None:
+    """The direction in which the free path sets out from the launch."""
+    begin = max(int(np.searchsorted(odometry.time_s, launch.time_s)) - 1, 0)
+    end = int(np.searchsorted(odometry.chainage_m, odometry.chainage_m[begin] + _SETTING_OUT_M)) + 1
+    part = thinned(odometry, np.arange(begin, min(max(end, begin + 2), len(odometry.time_s))))
+    return initial_direction(started_at(part, launch.time_s, launch.sigma_m))
+
+
+def _first_scale(odometry: Odometry, ties: tuple[Observation, ...]) -> float:
     """An unknown radius is first taken from the furthest chainage, so that what follows is a small correction."""
     far = [(float(o.value[0]), float(odometry.chainage_m[o.row])) for o in ties if not o.is_place]
     far = [(value, rolled) for value, rolled in far if value > 0.0 and rolled > 0.0]
-    if odometry.scale_sigma < _RESCALE_SIGMA and far:
-        return odometry, 1.0
-    if not far:
-        return odometry, 1.0
+    if odometry.scale_sigma < _RESCALE_SIGMA or not far:
+        return 1.0
     value, rolled = max(far)
-    return rescaled(odometry, value / rolled), value / rolled
+    return value / rolled
 
 
-def _turned(odometry: Odometry, turn_rad: float) -> Odometry:
+def _turned(points: FloatArray, turn_rad: float) -> FloatArray:
     cos, sin = np.cos(turn_rad), np.sin(turn_rad)
-    east, north, up = odometry.position_w_m.T
-    return replace(
-        odometry,
-        position_w_m=np.column_stack([cos * east - sin * north, sin * east + cos * north, up]),
-        quat_ws=multiply(turn_about_up(turn_rad), odometry.quat_ws),
-    )
+    level = np.column_stack([cos * points[:, 0] - sin * points[:, 1], sin * points[:, 0] + cos * points[:, 1]])
+    return np.hstack([level, points[:, 2:]])
 
 
-def _track(odometry: Odometry, solution: Solution, route: RouteLine | None, inflation: float) -> Track:
-    deviation, path = solution.deviation, solution.path
-    chainage = (1.0 + deviation.scale) * odometry.chainage_m + deviation.along_m
-    chainage = np.maximum.accumulate(np.maximum(chainage, 0.0))
-    spread = variances(solution)
-    along, cross, up = (np.sqrt(inflation * v) for v in (spread.along_m2, spread.cross_m2, spread.up_m2))
-    level = inflation * spread.level_m2
-    place = np.column_stack([path.level_m, path.up_m])
-    turn = deviation.heading_rad
-    if route is not None:
-        turn = route_turn(route, chainage, place)
-        place = route.at(chainage)
-        cross = np.full_like(cross, route.sigma_m)
-        if np.ptp(route.points_w_m[:, 2]) > 0.0:
-            up = np.full_like(up, route.sigma_m)
-        ahead = route.directions(chainage)[:, :2]
-        level = (along**2 - cross**2)[:, None] * outer(ahead) + (cross**2)[:, None] * np.array([1.0, 0.0, 1.0])
-    return Track(
-        time_s=odometry.time_s,
-        chainage_m=chainage,
-        position_w_m=place,
-        sigma_along_m=along,
-        sigma_cross_m=cross,
-        sigma_up_m=up,
-        quat_ws=multiply(turn_about_up(turn), odometry.quat_ws),
-        speed_mps=odometry.speed_mps * (1.0 + deviation.scale),
-        method=odometry.method,
-        reason=odometry.reason,
-        not_assessed=odometry.not_assessed,
-        cov_level_m2=level,
-    )
-
-
-def _quality(
-    odometry: Odometry,
-    solution: Solution,
-    checks: tuple[TieCheck, ...],
-    factor: float,
-    inflation: float,
-    start: HeadingStart,
-    track: Track,
-) -> Params:
-    model = solution.model
-    rows = np.array([t.row for t in solution.ties], dtype=np.intp)
-    taken = model.sigmas.scale**2 * np.concatenate(
-        [model.scaled_m[r] if t.is_place else model.chainage_m[r : r + 1] for t, r in zip(solution.ties, rows)]
-        + [np.empty(0)]
-    )
-    # the ups in between have no part in the scale
-    full = np.zeros(len(solution.alpha))
-    at = used = 0
-    for tie in solution.ties:
-        n = 2 if tie.is_place else 1
-        full[at : at + n] = taken[used : used + n]
-        at, used = at + len(tie.value), used + n
-    variance = model.sigmas.scale**2 - float(full @ solution.inverse @ full)
+def _quality(fitted: _Fit, odometry: Odometry, series: FitSeries, track: Track) -> Params:
     moving = track.speed_mps > 0.01
+    checks = fitted.checks
     out: dict[str, str | float] = dict(odometry.quality)
     out |= {
-        "scale": factor * (1.0 + solution.deviation.scale),
-        "scale_sigma": float(np.sqrt(max(variance, 0.0))),
+        "scale": series.scale,
+        "scale_sigma": series.scale_sigma,
         "path_length_m": float(track.chainage_m[-1]),
         "moving_share": float(np.mean(moving)),
         "mean_speed_mps": float(np.mean(track.speed_mps[moving])) if np.any(moving) else 0.0,
-        "heading_basis": start.basis,
+        "heading_basis": fitted.start.basis,
         "interval_basis": "ties" if len(checks) >= 3 else "prior",
-        "interval_inflation": float(np.sqrt(inflation)),
+        "interval_inflation": series.slip_level,
         "ties_used": float(len(checks)),
         "ties_held_down": float(sum(c.held_down for c in checks)),
+        "evidence_used": float(sum(item.kind != "tie" for item in fitted.settled.items)),
         "sigma_along_max_m": float(track.sigma_along_m.max()),
     }
     if "radius_m" in out:
@@ -255,25 +222,19 @@ def _quality(
     return out
 
 
-def _fit_findings(
-    checks: tuple[TieCheck, ...],
-    solution: Solution,
-    odometry: Odometry,
-    track: Track,
-    route: RouteLine | None,
-) -> tuple[Finding, ...]:
+def _fit_findings(fitted: _Fit, problem: FitProblem, track: Track) -> tuple[Finding, ...]:
     out = []
-    for check in checks:
+    for check in fitted.checks:
         if check.held_down:
             params: Params = {"name": check.name, "metres": abs(check.left_out_m), "sigma_m": check.left_out_sigma_m}
             out.append(Finding("tie_disagrees" if check.name else "length_disagrees", Severity.WARNING, params))
-    scale = solution.deviation.scale
-    if odometry.scale_sigma < _RESCALE_SIGMA and abs(scale) > 3.0 * odometry.scale_sigma:
+    scale, sigma = float(fitted.settled.mean[0, 0]), fitted.frames.odometry.scale_sigma
+    if sigma < _RESCALE_SIGMA and abs(scale) > 3.0 * sigma:
         out.append(Finding("scale_unusual", Severity.WARNING, {"percent": 100.0 * scale}))
-    if solution.turns == TURNS:
+    if fitted.settled.turns == TURNS:
         out.append(Finding("fit_not_settled", Severity.WARNING))
-    if route is not None:
-        beyond = float(track.chainage_m[-1] - route.chainage_m[-1])
+    if problem.route is not None:
+        beyond = float(track.chainage_m[-1] - problem.route.chainage_m[-1])
         if beyond > 3.0 * float(track.sigma_along_m[-1]) + 1.0:
             out.append(Finding("beyond_route", Severity.WARNING, {"metres": beyond}))
     return tuple(out)

@@ -38,12 +38,12 @@ def heading_start(
     ties: tuple[Observation, ...],
     route: RouteLine | None,
     settings: PositionSettings,
+    first: float | None,
 ) -> HeadingStart:
-    """Return how the free path is turned before the fit."""
+    """Return how the free path is turned before the fit; ``first`` is its :func:`initial_direction`."""
     drift = float(np.radians(settings.heading_drift_dph) / 3600.0)
     stated = float(np.radians(settings.heading_sigma_deg))
     magnetic = float(np.radians(settings.magnetic_sigma_deg))
-    first = initial_direction(odometry)
     heading = survey.launch.heading_deg
     if heading is not None and first is not None:
         turn = _wrapped(float(np.radians(90.0 - heading)) - first)

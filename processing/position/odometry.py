@@ -4,13 +4,14 @@ Rolling and inertial reckoning both end here, so the fit knows no physics. Rates
 blocks, and kept at the track's rate.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from processing.errors import ErrorCode, LeaklineError
+from processing.position.evidence import SlipSpan
 from processing.survey import BoolArray, Channel, Finding, FloatArray, ImuSamples, Params, Stretch
 
 BLOCK_ROWS = 200_000  # 5 MB a vector column: large enough to be quick, small enough for hours at 1 kHz
@@ -45,6 +46,10 @@ class Odometry:
     findings: tuple[Finding, ...] = ()
     not_assessed: tuple[Stretch, ...] = ()
     quality: Params = field(default_factory=dict)
+    slip_sigma: float = 0.0  # 1-sigma of slip as a share of the way that wanders over slip_tau_s, beside the walks
+    slip_tau_s: float = 15.0
+    lost_var_m2: FloatArray | None = None  # (m,) cumulated, of the way in gaps: no level of noise scales it
+    lost_heading_rad2: FloatArray | None = None  # (m,)
 
 
 def usable_rows(imu: ImuSamples) -> npt.NDArray[np.intp] | slice:
@@ -133,6 +138,7 @@ def rescaled(odometry: Odometry, factor: float) -> Odometry:
         along_var_m2=odometry.along_var_m2 * factor,
         cross_var_m2=odometry.cross_var_m2 * factor,
         up_var_m2=odometry.up_var_m2 * factor,
+        lost_var_m2=None if odometry.lost_var_m2 is None else odometry.lost_var_m2 * factor**2,
     )
 
 
@@ -149,6 +155,38 @@ def thinned(odometry: Odometry, rows: npt.NDArray[np.intp]) -> Odometry:
         cross_var_m2=odometry.cross_var_m2[rows],
         up_var_m2=odometry.up_var_m2[rows],
         heading_var_rad2=odometry.heading_var_rad2[rows],
+        lost_var_m2=None if odometry.lost_var_m2 is None else odometry.lost_var_m2[rows],
+        lost_heading_rad2=None if odometry.lost_heading_rad2 is None else odometry.lost_heading_rad2[rows],
+    )
+
+
+def with_slips(odometry: Odometry, slips: Sequence[SlipSpan]) -> Odometry:
+    """Return the odometry with the variance of its untrustworthy spans, which become stretches that are not assessed.
+
+    The error of a span grows in equal shares over its rows.
+    """
+    if not slips:
+        return odometry
+    count = len(odometry.time_s)
+    way, turn = np.zeros(count - 1), np.zeros(count - 1)
+    stretches = []
+    for slip in slips:
+        if slip.end_s <= odometry.time_s[0] or slip.start_s >= odometry.time_s[-1]:
+            continue
+        inside = in_spans(odometry.time_s, np.array([[slip.start_s, slip.end_s]]))
+        told = float(np.diff(np.interp([slip.start_s, slip.end_s], odometry.time_s, odometry.chainage_m))[0])
+        shares = np.count_nonzero(inside)
+        way[inside] += ((slip.sigma_share * told) ** 2 + slip.sigma_m**2) / shares
+        turn[inside] += slip.heading_sigma_rad**2 / shares
+        if slip.reason:
+            stretches.append(Stretch(slip.start_s, slip.end_s, Channel.PATH, slip.reason))
+    zero = np.zeros(count)
+    return replace(
+        odometry,
+        lost_var_m2=(zero if odometry.lost_var_m2 is None else odometry.lost_var_m2) + cumulated(way),
+        lost_heading_rad2=(zero if odometry.lost_heading_rad2 is None else odometry.lost_heading_rad2)
+        + cumulated(turn),
+        not_assessed=(*odometry.not_assessed, *stretches),
     )
 
 
@@ -170,5 +208,7 @@ def started_at(odometry: Odometry, time_s: float, sigma_m: float) -> Odometry:
         cross_var_m2=since(odometry.cross_var_m2),
         up_var_m2=since(odometry.up_var_m2),
         heading_var_rad2=since(odometry.heading_var_rad2),
+        lost_var_m2=None if odometry.lost_var_m2 is None else since(odometry.lost_var_m2),
+        lost_heading_rad2=None if odometry.lost_heading_rad2 is None else since(odometry.lost_heading_rad2),
         start_sigma_m=sigma_m,
     )

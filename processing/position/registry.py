@@ -4,9 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from processing.errors import ErrorCode, LeaklineError
-from processing.position import inertial, rolling
+from processing.position import inertial, rolling, zupt
 from processing.position.evidence import Evidence
-from processing.position.fitting import FitProblem, Fitted, fit, prepare
+from processing.position.fit_results import Fitted
+from processing.position.fitting import FitProblem, fit, prepare
+from processing.position.gathering import gather, gather_on_route
 from processing.position.odometry import Odometry
 from processing.position.tie_checks import TieCheck
 from processing.progress import Progress, silent
@@ -35,6 +37,7 @@ class Method:
 
 METHODS: dict[str, Method] = {
     "rolling": Method(rolling.reckon, (Motion.ROLLING,), "position_rolling"),
+    "zupt": Method(zupt.reckon, (Motion.FOOT,), "position_zupt"),
     "inertial": Method(inertial.reckon, (Motion.CARRIED, Motion.FOOT), "position_inertial"),
 }
 
@@ -71,8 +74,9 @@ def find_reckoned(
     Raises:
         LeaklineError: TOO_FEW_SAMPLES, SETTING_INVALID.
     """
-    odometry = reckon(imu, attitude, survey, settings, progress or silent())
-    return Reckoned(odometry, Evidence())
+    progress = progress or silent()
+    odometry = reckon(imu, attitude, survey, settings, progress.part(0.0, 0.8, "position_reckon"))
+    return Reckoned(odometry, gather(imu, attitude, odometry, survey, settings, progress.part(0.8, 1.0)))
 
 
 def find_track(
@@ -94,10 +98,13 @@ def find_fitted(
     progress: Progress | None = None,
     evidence: Evidence | None = None,
 ) -> Fitted:
-    """Return the track of :func:`find_track` together with the table of its ties."""
+    """Return the track of :func:`find_track` with the table of its ties; ``evidence`` stands in for what is found."""
     progress = progress or silent()
-    odometry = reckon(imu, attitude, survey, settings, progress.part(0.0, 0.8, "position_reckon"))
-    problem = prepare(odometry, survey, evidence or Evidence(), settings)
+    reckoned = find_reckoned(imu, attitude, survey, settings, progress.part(0.0, 0.8, "position_reckon"))
+    if evidence is None:
+        problem = problem_of(reckoned, survey, settings)
+    else:
+        problem = prepare(reckoned.odometry, survey, evidence, settings)
     return fit(problem, survey, settings, progress.part(0.8, 1.0, "position_fit"))
 
 
@@ -106,7 +113,8 @@ def problem_of(reckoned: Reckoned, survey: Survey, settings: PositionSettings) -
 
     With it, :func:`processing.position.fitting.refit` follows a tie point that is being dragged.
     """
-    return prepare(reckoned.odometry, survey, reckoned.evidence, settings)
+    evidence = gather_on_route(reckoned.odometry, survey, settings, silent(), reckoned.evidence)
+    return prepare(reckoned.odometry, survey, evidence, settings)
 
 
 def check_ties(odometry: Odometry, survey: Survey, settings: PositionSettings) -> tuple[TieCheck, ...]:

@@ -31,6 +31,7 @@ UNKNOWN_RADIUS_SIGMA = 0.5
 _REVERSAL_COS = -0.7  # a pipe turns by less than 135° within a moment; a ball that comes back by 180°
 _CREEP_MPS = 0.01  # slower, the direction of travel is noise
 _LOST_HEADING_RAD = 0.5  # a gap in which the ball turned on loses the heading by about this much
+_CARRY_ON_S = 60.0  # so long a ball is taken to have rolled on as before; what it did later, nobody knows
 _HEIGHT_WALK = 0.1  # m/√m: slopes of 2 % that change every 20 m
 
 Rows: TypeAlias = slice | npt.NDArray[np.intp]
@@ -59,18 +60,20 @@ def reckon(
         # r (ω × ẑ), and its size: the path length has no chords in it
         return radius * np.column_stack([omega_w[:, 1], -omega_w[:, 0], np.hypot(omega_w[:, 0], omega_w[:, 1])])
 
-    sums = integrate(time_s, rates, grid, lambda done: progress.update(done, "position_reckon"))
+    bridged = integrate(time_s, rates, grid, lambda done: progress.update(done, "position_reckon"))
     spans, stretches = gaps(time_s, imu)
+    sums = _held_back(grid, spans, bridged)
     forward = travel(np.diff(sums[:, :2], axis=0), np.diff(sums[:, 2]), np.diff(grid), settings.reverse_max_m)
     chainage = forward.chainage_m
     steps = np.diff(chainage)
     if forward.back_m > 0.5:
         findings = (*findings, Finding("rolled_back", Severity.INFO, {"metres": forward.back_m}))
     lost = in_spans(grid, spans)
-    along = settings.slip_walk**2 * steps + np.where(lost, _span_variance(grid, spans, sums[:, 2]), 0.0)
+    along = settings.slip_walk**2 * steps
+    lost_way = np.where(lost, _span_variance(grid, spans, bridged[:, 2], survey.pipe.length_m), 0.0)
     moved = np.hypot(*np.diff(sums[:, :2], axis=0).T)
     heading = np.radians(settings.heading_walk) ** 2 * np.diff(grid)
-    heading += np.where(lost & (moved > 0.0), _LOST_HEADING_RAD**2 * np.diff(grid) / GAP_S, 0.0)
+    lost_turn = np.where(lost & (moved > 0.0), _lost_heading(grid, spans), 0.0)
     return Odometry(
         time_s=grid,
         position_w_m=np.column_stack([sums[:, 0], sums[:, 1], np.zeros(len(grid))]),
@@ -85,6 +88,10 @@ def reckon(
         slope_sigma=settings.slope_sigma_pct / 100.0,
         findings=findings,
         not_assessed=stretches,
+        slip_sigma=settings.slip_sigma_pct / 100.0,
+        slip_tau_s=settings.slip_tau_s,
+        lost_var_m2=cumulated(lost_way),
+        lost_heading_rad2=cumulated(lost_turn),
         quality={"radius_m": radius, "rolled_back_m": forward.back_m},
     )
 
@@ -159,12 +166,35 @@ def _still(
     return np.asarray(smooth < np.radians(settings.rolling_still_dps) ** 2)
 
 
-def _span_variance(grid: FloatArray, spans: FloatArray, path_m: FloatArray) -> FloatArray:
-    """Variance of each step (m − 1,) within a gap: the whole bridged way may be missing, or be twice as long."""
+def _held_back(grid: FloatArray, spans: FloatArray, sums: FloatArray) -> FloatArray:
+    """Take off what a ball would have rolled in a long gap after ``_CARRY_ON_S``: hours of it would lead anywhere."""
+    steps = np.diff(sums, axis=0)
+    for span in spans:
+        if span[1] - span[0] > _CARRY_ON_S:
+            steps[in_spans(grid, span[None, :])] *= _CARRY_ON_S / (span[1] - span[0])
+    return np.asarray(cumulated(steps))
+
+
+def _lost_heading(grid: FloatArray, spans: FloatArray) -> FloatArray:
+    """Variance of the heading in each step (m − 1,) within a gap: after a few seconds it may be anything."""
+    out = np.zeros(len(grid) - 1)
+    for span in spans:
+        inside = in_spans(grid, span[None, :])
+        whole = min(_LOST_HEADING_RAD**2 * (span[1] - span[0]) / GAP_S, np.pi**2 / 3.0)
+        out[inside] += whole / np.count_nonzero(inside)
+    return out
+
+
+def _span_variance(grid: FloatArray, spans: FloatArray, path_m: FloatArray, most_m: float | None) -> FloatArray:
+    """Variance of each step (m − 1,) within a gap: the whole bridged way may be missing, or be twice as long.
+
+    No more than the whole pipe, ``most_m``, can be missing.
+    """
     out = np.zeros(len(grid) - 1)
     for span in spans:
         inside = in_spans(grid, span[None, :])
         bridged = float(np.interp(span[1], grid, path_m) - np.interp(span[0], grid, path_m))
+        bridged = min(bridged, most_m) if most_m else bridged
         # the error grows in equal shares; the ball may also have been moved although it rested on both sides
         out[inside] += (bridged**2 + 0.05**2) / np.count_nonzero(inside)
     return out

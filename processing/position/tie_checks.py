@@ -1,19 +1,24 @@
-"""How the ties agree with each other: leave-one-out residuals, and holding down what all others contradict."""
+"""How the pieces of knowledge agree with each other: leave-one-out residuals, and holding down what all others deny."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
-from processing.position.solving import Solution
-from processing.position.ties import LENGTH, Observation
+from processing.position.chain import Smoothed
+from processing.position.factors import Item, Read
+from processing.position.ties import LENGTH
 from processing.settings import PositionSettings
 from processing.survey import FloatArray
 
 
 @dataclass(frozen=True)
 class TieCheck:
-    """How a tie agrees: its residual in the fit, and how far the path would miss it were it unknown (leave-one-out)."""
+    """How a tie agrees: its residual in the fit, and how far the path would miss it were it unknown (leave-one-out).
+
+    ``left_out_m`` leaves out all that the tie tells, chainage and coordinates. For a place both are distances.
+    """
 
     name: str  # empty for the pipe's length
     time_s: float
@@ -24,25 +29,40 @@ class TieCheck:
     held_down: bool
 
 
-def hold_down(
-    ties: tuple[Observation, ...], solve: Callable[[tuple[Observation, ...]], Solution], settings: PositionSettings
-) -> tuple[Observation, ...]:
-    """Raise the sigma of ties that all the others contradict until they fit, the worst first (data snooping, Baarda).
+@dataclass(frozen=True)
+class Miss:
+    """How far the path misses what it does not know: vector, covariance (with its own), squared size."""
 
-    Two equally bad ties are both held down: nothing tells which one is wrong. One tie alone is believed.
+    vector_m: FloatArray
+    covariance_m2: FloatArray
+    squared: float
+
+
+Solve = Callable[[tuple[Item, ...]], tuple[Smoothed, Read]]
+
+
+def hold_down(items: tuple[Item, ...], solve: Solve, settings: PositionSettings) -> tuple[Item, ...]:
+    """Raise the covariance of items that all the others contradict until they fit (data snooping, Baarda).
+
+    Of ties and fixes the worst goes first, so that a wrong one does not take right ones with it; two equally bad ones
+    are both held down: nothing tells which is wrong. Increments are many and weigh little: all that disagree go at
+    once. One item alone is believed.
     """
-    held = list(ties)
-    if len(ties) < 2:
-        return ties
-    limits = {size: _limit(size, settings) for size in {len(tie.value) for tie in ties}}
-    for _ in range(2 * len(ties)):
-        solution = solve(tuple(held))
-        misses = [left_out(solution, k) for k in range(len(held))]
-        excess = np.array([m.squared / limits[len(held[k].value)] for k, m in enumerate(misses)])
+    held = list(items)
+    if len(items) < 2:
+        return items
+    limits = {size: _limit(size, settings) for size in (1, 2)}
+    single = np.array([item.kind in ("tie", "fix") for item in items])
+    rounds = 2 * int(np.count_nonzero(single)) + 4
+    for _ in range(rounds):
+        smoothed, read = solve(tuple(held))
+        misses = [left_out(smoothed, held[k : k + 1], read.parts[k : k + 1]) for k in range(len(held))]
+        excess = np.array([m.squared / limits[len(m.vector_m)] for m in misses])
         if excess.max() <= 1.0 + 1e-6:
             break
-        for k in np.flatnonzero(excess >= 0.9 * excess.max()):
-            if excess[k] > 1.0:
+        worst = 0.9 * float(excess[single].max()) if np.any(single) else np.inf
+        for k in np.flatnonzero(excess > 1.0):
+            if not single[k] or excess[k] >= worst:
                 grown = held[k].covariance_m2 + misses[k].covariance_m2 * (excess[k] - 1.0)
                 held[k] = replace(held[k], covariance_m2=grown)
     return tuple(held)
@@ -55,53 +75,55 @@ def _limit(size: int, settings: PositionSettings) -> float:
     return float(chi2.isf(2.0 * norm.sf(settings.outlier_sigmas), size))
 
 
-@dataclass(frozen=True)
-class Miss:
-    """How far the path misses a tie that it does not know: vector, covariance (with its own), squared size."""
-
-    vector_m: FloatArray
-    covariance_m2: FloatArray
-    squared: float
-
-
-def left_out(solution: Solution, k: int) -> Miss:
-    """Leave-one-out in closed form: with S⁻¹ the inverse and α = S⁻¹ r, the miss is (S⁻¹_kk)⁻¹ α_k."""
-    at = sum(len(t.value) for t in solution.ties[:k])
-    part = slice(at, at + len(solution.ties[k].value))
-    covariance: FloatArray = np.asarray(np.linalg.inv(solution.inverse[part, part]), dtype=np.float64)
-    alpha = solution.alpha[part]
-    return Miss(covariance @ alpha, covariance, float(alpha @ covariance @ alpha))
-
-
-def checks_of(solution: Solution, ties: tuple[Observation, ...], held: tuple[Observation, ...]) -> tuple[TieCheck, ...]:
-    """Return the table of ties as given, for a solution that knows them as ``held``."""
-    out = []
+def left_out(smoothed: Smoothed, items: Sequence[Item], parts: Sequence[tuple[int, int]]) -> Miss:
+    """Leave items of one keyframe out, in closed form: with S⁻¹ the inverse and α = S⁻¹ r, they are missed by
+    ``(S⁻¹_kk)⁻¹ α_k``.
+    """  # fmt: skip
+    start, stop = parts[0][0], parts[-1][1]
+    if stop - start == 1:
+        variance = float(items[0].covariance_m2[0, 0])
+        miss = smoothed.pull[start] / smoothed.weight[start]
+        vector = np.array([miss * np.sqrt(variance)])
+        return Miss(vector, np.array([[variance / smoothed.weight[start]]]), float(smoothed.pull[start] * miss))
+    inverse = np.linalg.inv(smoothed.inverse(start, stop))
+    root = np.zeros((stop - start, stop - start))
     at = 0
-    for k, (tie, kept) in enumerate(zip(ties, held)):
-        miss = left_out(solution, k)
-        left = kept.covariance_m2 @ solution.alpha[at : at + len(tie.value)]  # observed minus fitted
-        at += len(tie.value)
-        variance = miss.covariance_m2 - kept.covariance_m2 + tie.covariance_m2
-        level = slice(0, 2) if tie.is_place else slice(0, 1)
-        # along the direction of the miss for a place: comparable to its length
-        way = miss.vector_m[level] / max(float(np.linalg.norm(miss.vector_m[level])), 1e-12)
-        out.append(
-            TieCheck(
-                name="" if tie.name == LENGTH else tie.name,
-                time_s=tie.time_s,
-                kind="place" if tie.is_place else "chainage",
-                residual_m=float(np.linalg.norm(left[level]) if tie.is_place else left[0]),
-                left_out_m=float(np.linalg.norm(miss.vector_m[level]) if tie.is_place else miss.vector_m[0]),
-                left_out_sigma_m=float(np.sqrt(max(float(way @ variance[level, level] @ way), 0.0)))
-                if np.any(way)
-                else float(np.sqrt(variance[0, 0])),
-                held_down=kept is not tie,
-            )
-        )
-    return tuple(out)
+    for item in items:
+        size = len(item.value)
+        root[at : at + size, at : at + size] = np.linalg.cholesky(item.covariance_m2)
+        at += size
+    pull = smoothed.pull[start:stop]
+    return Miss(root @ inverse @ pull, root @ inverse @ root.T, float(pull @ inverse @ pull))
 
 
-def inflation_of(checks: tuple[TieCheck, ...]) -> float:
-    """Variance factor of the model, from how far it misses ties it is not told; at least 1 (navigation §6.5)."""
-    misses = [(c.left_out_m / c.left_out_sigma_m) ** 2 for c in checks if not c.held_down and c.left_out_sigma_m > 0.0]
-    return float(np.clip(np.mean(misses), 1.0, 25.0)) if len(misses) >= 3 else 1.0
+def checks_of(smoothed: Smoothed, read: Read, items: tuple[Item, ...], held: tuple[Item, ...]) -> tuple[TieCheck, ...]:
+    """Return the table of ties among ``items`` as given, for a solution that knows them as ``held``."""
+    out = []
+    ties = [k for k, item in enumerate(items) if item.kind == "tie"]
+    for _, group in groupby(ties, key=lambda k: (items[k].node, items[k].name, items[k].time_s)):
+        members = list(group)
+        together = slice(members[0], members[-1] + 1)
+        miss = left_out(smoothed, held[together], read.parts[together])
+        at = 0
+        for k in members:
+            part = slice(at, at + len(items[k].value))
+            out.append(_check(smoothed, items[k], held[k], miss.vector_m[part], miss.covariance_m2[part, part]))
+            at = part.stop
+    return tuple(sorted(out, key=lambda check: (check.time_s, check.name, check.kind)))
+
+
+def _check(smoothed: Smoothed, item: Item, kept: Item, miss: FloatArray, covariance: FloatArray) -> TieCheck:
+    left = item.value - item.rows @ smoothed.mean[item.node]
+    variance = covariance - kept.covariance_m2 + item.covariance_m2
+    # along the direction of the miss for a place: comparable to its length
+    size = float(np.linalg.norm(miss))
+    way = miss / size if size > 1e-12 else np.eye(len(miss))[0]
+    return TieCheck(
+        name="" if item.name == LENGTH else item.name,
+        time_s=item.time_s,
+        kind="place" if item.is_place else "chainage",
+        residual_m=float(np.linalg.norm(left) if item.is_place else left[0]),
+        left_out_m=size if item.is_place else float(miss[0]),
+        left_out_sigma_m=float(np.sqrt(max(float(way @ variance @ way), 0.0))),
+        held_down=kept is not item,
+    )

@@ -33,6 +33,7 @@ class Observation:
     is_place: bool
     value: FloatArray
     covariance_m2: FloatArray
+    speed_mps: float = 0.0  # what a wrong clock costs
 
 
 def observations(
@@ -83,7 +84,8 @@ def _of_chainage(
 ) -> Observation:
     row, ahead_m = _row_at(odometry, time_s)
     variance = max(sigma_m, _SIGMA_FLOOR_M) ** 2 + (_speed_at(odometry, time_s) * settings.tie_time_sigma_s) ** 2
-    return Observation(name, time_s, row, False, np.array([chainage_m + ahead_m]), np.array([[variance]]))
+    value = np.array([chainage_m + ahead_m])
+    return Observation(name, time_s, row, False, value, np.array([[variance]]), _speed_at(odometry, time_s))
 
 
 def _of_place(
@@ -98,7 +100,8 @@ def _of_place(
     covariance = np.eye(size) * variance
     if not level:
         covariance[2, 2] = max(tie.sigma_m, _SIGMA_FLOOR_M) ** 2
-    return Observation(tie.name, tie.time_s, row, True, np.array([v for v in place if v is not None]), covariance)
+    value = np.array([v for v in place if v is not None])
+    return Observation(tie.name, tie.time_s, row, True, value, covariance, _speed_at(odometry, tie.time_s))
 
 
 def _of_length(odometry: Odometry, survey: Survey, settings: PositionSettings) -> Observation | None:

@@ -185,5 +185,7 @@ def test_a_simulated_noise_free_carried_run_comes_back_within_a_centimetre_per_1
     attitude = Attitude(made.motion.quat_ws, np.zeros(3), "truth")
     track = find_track(made.imu, attitude, made.survey, SETTINGS)
     truth = np.column_stack([np.interp(track.time_s, made.motion.time_s, c) for c in made.motion.position_w_m.T])
-    assert np.linalg.norm(track.position_w_m - (truth - truth[0]), axis=1).max() < 0.01 * length / 100.0
+    missed = np.abs(track.position_w_m - (truth - truth[0]))
+    assert np.linalg.norm(missed[:, :2], axis=1).max() < 0.01 * length / 100.0
+    assert missed[:, 2].max() < 0.1  # by pressure, which friction falsifies
     assert track.chainage_m[-1] == pytest.approx(length, abs=0.05)
