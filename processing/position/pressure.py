@@ -23,7 +23,9 @@ _ROW_S = 10.0
 _SURGE_TAU_S = 20.0
 _SURGE_FLOOR_M = 0.02
 _SURGE_CEILING_M = 3.0  # beyond, the pressure speaks of pumps and not of height
-_GRADIENT_SIGMA = 0.003  # mains are laid out for a loss of 1 to 5 m head a kilometre
+_FRICTION = 0.02  # Darcy's factor of water mains, 0.015 to 0.03
+_USUAL_DIAMETER_M = 0.3
+_LEAST_GRADIENT, _MOST_GRADIENT = 0.0003, 0.01
 _START_SIGMA_M = 0.1  # the stagnation pressure of a metre a second is 5 cm
 _STEEPEST = 0.5  # m/m: nothing rolls through a steeper pipe
 _STEP_SIDE_S = 3.0
@@ -40,8 +42,13 @@ class PressureHeight:
     findings: tuple[Finding, ...]
 
 
-def find_heights(imu: ImuSamples, odometry: Odometry, progress: Progress) -> PressureHeight:
-    """Return heights above the launch where the log has a pressure that lives; none otherwise."""
+def find_heights(
+    imu: ImuSamples, odometry: Odometry, progress: Progress, diameter_m: float | None = None
+) -> PressureHeight:
+    """Return heights above the launch where the log has a pressure that lives; none otherwise.
+
+    The pipe's ``diameter_m`` tells, with the speed, how much friction can take.
+    """
     if imu.pressure_kpa is None:
         return PressureHeight((), ())
     time_s, head_m = _fine(imu, progress)
@@ -65,16 +72,28 @@ def find_heights(imu: ImuSamples, odometry: Odometry, progress: Progress) -> Pre
     surge = _surge_sigma([-up for _, up, _ in parts])
     if not parts or surge > _SURGE_CEILING_M:
         return PressureHeight((), (Finding("pressure_unusable", Severity.INFO),))
+    gradient = _gradient_sigma(odometry, diameter_m or _USUAL_DIAMETER_M)
     # surges outlast a row: as if independent, rows would claim too much, so each takes its share of the others' doubt
     keep = np.exp(-_ROW_S / _SURGE_TAU_S)
     noise = surge * float(np.sqrt((1.0 + keep) / (1.0 - keep)))
     heights = tuple(
-        HeightSeries(at, -up, noise, 600.0, 0.0, offset, gradient_sigma=_GRADIENT_SIGMA) for at, up, offset in parts
+        HeightSeries(at, -up, noise, 600.0, 0.0, offset, gradient_sigma=gradient) for at, up, offset in parts
     )
     findings = [Finding("pressure_used", Severity.INFO, {"sigma_m": surge})]
     if steps:
         findings.append(Finding("pressure_steps", Severity.INFO, {"count": float(len(steps))}))
     return PressureHeight(heights, tuple(findings))
+
+
+def _gradient_sigma(odometry: Odometry, diameter_m: float) -> float:
+    """The head that friction takes a metre at the device's usual speed: ``f v²/(2 g D)`` (Darcy–Weisbach).
+
+    The water may be quicker than the device and the pipe smoother than most, so it is taken for the sigma of a slope
+    that is not known, not for its value.
+    """
+    moving = odometry.speed_mps > 0.05
+    speed = float(np.median(odometry.speed_mps[moving])) if np.any(moving) else 0.0
+    return float(np.clip(_FRICTION * speed**2 / (2.0 * 9.81 * diameter_m), _LEAST_GRADIENT, _MOST_GRADIENT))
 
 
 def _is_air(head_m: FloatArray) -> bool:

@@ -244,6 +244,10 @@ def _unfelt_steps(bins: _Bins, speed: FloatArray, known: list[SlipSpan]) -> list
     missing -= _medians(missing, round(10.0 / _BIN_S))
     size = np.hypot(*missing.T)
     usual = float(np.median(size[moving])) / 1.1774  # Rayleigh
+    # a knock is felt and turns nothing: sampling may make a push of it, but no slip
+    turned = np.zeros(len(size))
+    turned[span] = np.hypot(*(rolled[2 * half :] - rolled[: -2 * half]).T)
+    size[turned < 0.5 * size] = 0.0
     limit = max(_LEAST_STEP_MPS, _STEP_SHARE * float(np.median(speed[moving])), _STEP_SIGMAS * usual)
     size[_smooth((bins.blow_mps2 > _BLOW_MPS2).astype(float), 2.0 * _WINDOW_S) > 0.0] = 0.0
     size[_smooth(bins.bad, 2.0 * _WINDOW_S) > 0.02] = 0.0

@@ -70,6 +70,14 @@ def test_as_independent_rows_the_sigma_covers_means_over_minutes():
     assert np.std(scores) < 1.25
 
 
+def test_the_friction_slope_that_is_left_open_is_darcys():
+    imu, reckoned, _ = run(0)
+    wide, narrow = (find_heights(imu, reckoned, silent(), d).heights[0].gradient_sigma for d in (0.6, 0.2))
+    # 0.02 · 0.6² / (2 · 9.81 · 0.2): 1.8 m a kilometre
+    assert narrow == pytest.approx(0.00183, abs=1e-5)
+    assert narrow == pytest.approx(3.0 * wide, rel=1e-6)
+
+
 def test_louder_surges_make_a_larger_sigma():
     quiet = find_heights(*run(0, surge_m=0.04)[:2], silent()).heights[0].sigma_m
     loud = find_heights(*run(0, surge_m=0.4)[:2], silent()).heights[0].sigma_m

@@ -74,6 +74,16 @@ def test_an_honest_stop_is_no_slip_however_sudden():
     assert slips_of(made, attitude, reckoned) == ()
 
 
+def test_knocks_on_a_resting_ball_are_no_slip():
+    made, attitude, reckoned = rolled((), (Stop(20.0, 30.0),))
+    acc = made.imu.acc_s_mps2.copy()
+    rest = np.searchsorted(made.imu.time_s, when(made, 20.0) + 8.0)
+    for k in range(6):  # 25 m/s² for two samples: half a metre a second that never was
+        acc[rest + 130 * k : rest + 130 * k + 2] += [25.0, 0.0, 0.0]
+    imu = dataclasses.replace(made.imu, acc_s_mps2=acc)
+    assert find_slips(imu, attitude, reckoned, silent()) == ()
+
+
 def test_rows_masked_at_the_gyros_limit_are_named_as_such():
     made, attitude, reckoned = rolled()
     rate = np.abs(made.imu.gyr_s_radps).max(axis=1)
