@@ -18,7 +18,7 @@ from processing.orientation.eskf import eskf, eskf_recursion
 from processing.orientation.gyro import gyro_recursion, integrate_gyro
 from processing.orientation.gyro_scale import calibrate_scale
 from processing.orientation.madgwick import madgwick, madgwick_recursion
-from processing.orientation.magnetometer import MagnetometerVerdict, judge_magnetometer
+from processing.orientation.magnetometer import MagnetometerVerdict, judge_magnetometer, magnetometer_findings
 from processing.orientation.mahony import mahony, mahony_recursion
 from processing.orientation.recursion import Estimate, Recursion
 from processing.orientation.samples import BLOCK_ROWS, TrustedSamples, trusted_samples
@@ -156,11 +156,10 @@ def _choose(imu: ImuSamples, survey: Survey, verdict: MagnetometerVerdict) -> tu
 
 
 def _sensor_findings(samples: TrustedSamples, chosen: Estimator, verdict: MagnetometerVerdict) -> list[Finding]:
-    found = []
+    found: list[Finding] = []
     if _has_no_gyro(samples.imu):
         found.append(Finding("gyro_dead", Severity.WARNING))
-    if verdict.reason in {"field_not_earths", "field_unsteady", "pipe_ferrous", "magnetometer_dead"}:
-        found.append(Finding(f"magnetometer_{verdict.reason}", Severity.INFO))
+    found += magnetometer_findings(verdict)
     if chosen.needs_field and samples.field is None:
         found.append(Finding("estimator_lacks_field", Severity.WARNING, {"method": chosen.name}))
     if chosen.name == "device" and samples.imu.quat_ws is not None:

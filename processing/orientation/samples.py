@@ -111,7 +111,7 @@ class TrustedSamples:
     def _field(self, index: "slice | IndexArray", inner: slice) -> tuple[FloatArray, FloatArray]:
         if self.field is None or self.imu.mag_s_ut is None:
             return _NO_FIELD, np.zeros(0)
-        mag = np.ascontiguousarray(self.imu.mag_s_ut[index][inner] / self.field.norm_ut)
+        mag = np.ascontiguousarray(self.field.corrected(self.imu.mag_s_ut[index][inner]) / self.field.norm_ut)
         off = np.abs(np.linalg.norm(mag, axis=1) - 1.0) / (self.settings.mag_norm_tolerance_pct / 100.0)
         return mag, np.where(off < 1.0, 1.0, 0.0)
 
