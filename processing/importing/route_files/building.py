@@ -14,6 +14,7 @@ from processing.survey import Finding, FloatArray, Route, Severity, Survey
 FROM_LAUNCH = "drawing"  # a drawing's own metres: the line begins at the launch, wherever the drawing's zero is
 NEAR_LAUNCH_M = 50.0
 AT_END_M = 2.0
+FIRST_M = 10.0
 LENGTH_PART, LENGTH_M = 0.02, 5.0  # a pipe's length and its map differ by less, or one of them is wrong
 
 
@@ -46,6 +47,16 @@ class BuiltRoute:
     findings: tuple[Finding, ...]
 
 
+@dataclass(frozen=True)
+class _Way:
+    """One of the two directions: the whole line, where on it the launch is, and how much lies after that."""
+
+    built: BuiltRoute
+    line_w_m: FloatArray
+    along_m: float
+    after_m: float
+
+
 def route_from(line: Section, choice: RouteChoice, survey: Survey) -> BuiltRoute:
     """Return the route that a line of the map gives.
 
@@ -60,11 +71,11 @@ def route_from(line: Section, choice: RouteChoice, survey: Survey) -> BuiltRoute
     route = _as_route(points, code, choice)
     candidates = [_measured(route, survey, choice, back=False), _measured(route, survey, choice, back=True)]
     if choice.reverse is not None:
-        built, _ = candidates[choice.reverse]
-    elif candidates[0][0].launch_off_m is None:
-        built, _ = candidates[0]  # nothing to fit to: as it was drawn
+        built = candidates[choice.reverse].built
+    elif candidates[0].built.launch_off_m is None:
+        built = candidates[0].built  # nothing to fit to: as it was drawn
     else:
-        built, _ = min(candidates, key=lambda one: _misfit(one[1], survey.pipe.length_m))
+        built = min(candidates, key=lambda way: _misfit(way, survey)).built
     extra = () if is_local(route.crs) else _outside(points, code)
     return replace(built, findings=built.findings + extra)
 
@@ -102,8 +113,8 @@ def _as_route(points: FloatArray, code: str, choice: RouteChoice) -> Route:
     return Route(tuple((float(x), float(y), float(z)) for x, y, z in rows), code, choice.sigma_m)
 
 
-def _measured(route: Route, survey: Survey, choice: RouteChoice, *, back: bool) -> tuple[BuiltRoute, float]:
-    """The route drawn one way, and how many metres of it lie after the launch."""
+def _measured(route: Route, survey: Survey, choice: RouteChoice, *, back: bool) -> _Way:
+    """The route drawn one way."""
     if back:
         points = route.points[::-1]
         if choice.crs == FROM_LAUNCH:  # it begins at the launch from this end too
@@ -113,6 +124,7 @@ def _measured(route: Route, survey: Survey, choice: RouteChoice, *, back: bool) 
     frame = local_frame(survey.launch, route)
     local = route_local(frame, route)
     findings: list[Finding] = []
+    line_w_m, along_m = local, 0.0
     off_m: float | None = None
     after_m = _length(local)
     if _knows_launch(survey, route):
@@ -125,7 +137,7 @@ def _measured(route: Route, survey: Survey, choice: RouteChoice, *, back: bool) 
             findings.append(Finding("route_clipped", Severity.INFO, {"metres": along_m}))
     length_m = _length(local)
     findings += _length_finding(length_m, survey.pipe.length_m)
-    return BuiltRoute(route, back, local, length_m, off_m, tuple(findings)), after_m
+    return _Way(BuiltRoute(route, back, local, length_m, off_m, tuple(findings)), line_w_m, along_m, after_m)
 
 
 def _length(local: FloatArray) -> float:
@@ -158,13 +170,37 @@ def _clipped(route: Route, frame: LocalFrame, local: FloatArray, along_m: float)
     return replace(route, points=(start, *route.points[-len(rest) :])), local
 
 
-def _misfit(after_m: float, pipe_m: float | None) -> float:
-    """How badly a direction fits: metres that the length is wrong; without a length the longer way is the run's."""
-    return abs(after_m - pipe_m) if pipe_m is not None else -after_m
+def _misfit(way: _Way, survey: Survey) -> tuple[bool, float, float]:
+    """How badly a direction fits: against the stated heading, too short for the run, and then by the length.
+
+    A map may well go on after the retrieval; a run cannot. Without a length the longer way is the run's.
+    """
+    pipe_m = survey.pipe.length_m
+    against = survey.launch.heading_deg is not None and _along_heading(way, survey.launch.heading_deg) < 0.0
+    if pipe_m is None:
+        return against, 0.0, -way.after_m
+    short_m = max(pipe_m - _allowed(pipe_m) - way.after_m, 0.0)
+    return against, short_m, abs(way.after_m - pipe_m)
+
+
+def _along_heading(way: _Way, heading_deg: float) -> float:
+    """Cosine between a stated heading and the first metres of the way; 0 where too little of it lies ahead."""
+    if way.after_m < AT_END_M:
+        return -1.0
+    line = _drawn_line(way.line_w_m)
+    ahead = np.array([way.along_m, way.along_m + min(FIRST_M, way.after_m)])
+    east, north, _ = np.diff(line.at(ahead), axis=0)[0]
+    length = float(np.hypot(east, north))
+    heading = np.radians(heading_deg)
+    return float((east * np.sin(heading) + north * np.cos(heading)) / length) if length > 0.0 else 0.0
+
+
+def _allowed(pipe_m: float) -> float:
+    return max(LENGTH_M, LENGTH_PART * pipe_m)
 
 
 def _length_finding(length_m: float, pipe_m: float | None) -> list[Finding]:
-    if pipe_m is None or abs(length_m - pipe_m) <= max(LENGTH_M, LENGTH_PART * pipe_m):
+    if pipe_m is None or abs(length_m - pipe_m) <= _allowed(pipe_m):
         return []
     return [Finding("route_length_differs", Severity.WARNING, {"route_m": length_m, "pipe_m": pipe_m})]
 

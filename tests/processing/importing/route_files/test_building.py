@@ -172,6 +172,22 @@ def test_what_lies_before_the_launch_is_cut_off_and_the_length_decides_the_direc
     assert len(kept.route.points) == len(PIPE)
 
 
+def test_a_map_that_goes_on_after_the_retrieval_is_no_reason_to_turn_round():
+    launch = 0.5 * (PIPE[8] + PIPE[9])
+    after, before = ground_length(np.vstack([launch, PIPE[9:]])), ground_length(np.vstack([PIPE[:9], launch]))
+    wanted = before + 0.3 * (after - before)  # nearer to the length of the wrong side, which is too short
+    built = route_from(whole(PIPE), RouteChoice(GRID), survey_at(launch, length_m=wanted))
+    assert not built.reversed
+    assert built.length_m == pytest.approx(after, rel=1e-4)
+
+
+@pytest.mark.parametrize(("heading_deg", "backwards"), [(80.0, False), (275.0, True)])
+def test_a_stated_heading_decides_the_direction(heading_deg, backwards):
+    survey = survey_at(0.5 * (PIPE[20] + PIPE[21]))
+    survey = replace(survey, launch=replace(survey.launch, heading_deg=heading_deg))
+    assert route_from(whole(PIPE), RouteChoice(GRID), survey).reversed is backwards
+
+
 def test_the_operator_has_the_last_word_on_the_direction():
     built = route_from(whole(PIPE), RouteChoice(GRID, reverse=True, clip=False), survey_at(PIPE[0]))
     np.testing.assert_allclose(built.route.points[0], PIPE[-1], atol=1e-3)
