@@ -32,6 +32,10 @@
         <translation>Programın kaçırdığı bir adayı imlecin yerine ekler</translation>
     </message>
     <message>
+        <source>Add a tie point at the cursor: a place the device is known to have passed then</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>All keys on one sheet</source>
         <translation>Bütün tuşlar tek sayfada</translation>
     </message>
@@ -124,6 +128,10 @@
         <translation>Tam ekran</translation>
     </message>
     <message>
+        <source>Go on without the mapped route; the path is computed again</source>
+        <translation>Haritadaki güzergâh olmadan sürdür; yol yeniden hesaplanır</translation>
+    </message>
+    <message>
         <source>Go one candidate down the list</source>
         <translation>Listede bir aday aşağı gider</translation>
     </message>
@@ -146,6 +154,10 @@
     <message>
         <source>How to go from folder to report</source>
         <translation>Klasörden rapora nasıl gidilir</translation>
+    </message>
+    <message>
+        <source>Import route…</source>
+        <translation>Güzergâh al…</translation>
     </message>
     <message>
         <source>It is a leak; go to the next undecided</source>
@@ -280,6 +292,10 @@
         <translation>Reddet</translation>
     </message>
     <message>
+        <source>Remove route</source>
+        <translation>Güzergâhı kaldır</translation>
+    </message>
+    <message>
         <source>Report page</source>
         <translation>Rapor sayfası</translation>
     </message>
@@ -332,8 +348,16 @@
         <translation>Son değişikliği geri alır</translation>
     </message>
     <message>
+        <source>Take the pipe's line from a map: GeoJSON, Shapefile, GeoPackage, KML, GPX, DXF or CSV</source>
+        <translation>Borunun çizgisini haritadan al: GeoJSON, Shapefile, GeoPackage, KML, GPX, DXF ya da CSV</translation>
+    </message>
+    <message>
         <source>Take the verdict away and stay here</source>
         <translation>Kararı kaldırır ve burada kalır</translation>
+    </message>
+    <message>
+        <source>Tie point here</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Türkçe / English</source>
@@ -374,6 +398,13 @@
     <message>
         <source>Zoom out</source>
         <translation>Uzaklaştır</translation>
+    </message>
+</context>
+<context>
+    <name>AllanPlot</name>
+    <message>
+        <source>Noise of the sensors</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -592,6 +623,68 @@
     </message>
 </context>
 <context>
+    <name>ComparisonControl</name>
+    <message>
+        <source>'End off' is how far it ends from '{name}'.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>'Length off' is measured against the pipe's length of {length} m.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>'Length off' is measured at '{name}'; nothing tells where the end lies.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No first heading is known, so each path was turned to fit first.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No tie point or length is known, so nothing tells which is right: compare the shapes.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Trying the methods</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>automatic</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>orientation method</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>CrsField</name>
+    <message>
+        <source>Change…</source>
+        <translation>Değiştir…</translation>
+    </message>
+    <message>
+        <source>Coordinate systems</source>
+        <translation>Koordinat sistemleri</translation>
+    </message>
+    <message>
+        <source>Not known: choose it below.</source>
+        <translation>Bilinmiyor: aşağıdan seçin.</translation>
+    </message>
+    <message>
+        <source>Search a coordinate system</source>
+        <translation>Koordinat sistemi ara</translation>
+    </message>
+    <message>
+        <source>Search: code, name or country</source>
+        <translation>Ara: kod, ad ya da ülke</translation>
+    </message>
+    <message>
+        <source>{metres} m from the launch</source>
+        <translation>bırakma noktasından {metres} m</translation>
+    </message>
+</context>
+<context>
     <name>DataPage</name>
     <message>
         <source>Findings</source>
@@ -777,6 +870,10 @@
     <message>
         <source>leak band</source>
         <translation>kaçak bandı</translation>
+    </message>
+    <message>
+        <source>route</source>
+        <translation>güzergâh</translation>
     </message>
     <message>
         <source>tie points</source>
@@ -1008,10 +1105,111 @@
     </message>
 </context>
 <context>
+    <name>MarkerModel</name>
+    <message>
+        <source>All others contradict it, so it is not believed: check its place and its time.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>At (m)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Fits to</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>If we had not known it, the path would have been off here by {metres} m.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Time (s)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Without it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>± 1σ</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>MarkerPanel</name>
+    <message>
+        <source>Add at cursor</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Drag a square on the plan to its place, or its flag on a strip to its moment; Esc puts it back. 'Without it': how far off we would be here, had we not known it.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Ended where it began</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Place the leaks anew</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Remove</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Tie points</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>MessageBoxes</name>
     <message>
         <source>OK</source>
         <translation>Tamam</translation>
+    </message>
+</context>
+<context>
+    <name>MethodPanel</name>
+    <message>
+        <source>Clear</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Each method's path by itself: no tie point, no length and no map pulls on it.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>End off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Length off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Method</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Methods</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Try the ticked ones</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Use this one</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Way found: {metres} m</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>cannot</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1179,6 +1377,32 @@
     <message>
         <source>Shift</source>
         <translation>Shift</translation>
+    </message>
+</context>
+<context>
+    <name>QualityPanel</name>
+    <message>
+        <source>Reading …</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>What to show</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>QualityView</name>
+    <message>
+        <source>Quality of the run</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Reading …</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>This run has nothing to show here</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1363,6 +1587,233 @@
         <source>E {east}  N {north} m</source>
         <translation>D {east}  K {north} m</translation>
     </message>
+    <message>
+        <source>Methods</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Motion</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Quality</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Tie points</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>RouteControl</name>
+    <message>
+        <source>All files</source>
+        <translation>Tüm dosyalar</translation>
+    </message>
+    <message>
+        <source>Import route</source>
+        <translation>Güzergâh al</translation>
+    </message>
+    <message>
+        <source>Joining the lines</source>
+        <translation>Çizgiler birleştiriliyor</translation>
+    </message>
+    <message>
+        <source>Map files</source>
+        <translation>Harita dosyaları</translation>
+    </message>
+    <message>
+        <source>Open a recording first; its route can then be imported.</source>
+        <translation>Önce bir kayıt açın; güzergâhı ondan sonra alınabilir.</translation>
+    </message>
+    <message>
+        <source>Reading {name}</source>
+        <translation>{name} okunuyor</translation>
+    </message>
+    <message>
+        <source>route</source>
+        <translation>güzergâh</translation>
+    </message>
+</context>
+<context>
+    <name>RouteDialog</name>
+    <message>
+        <source>Add what lies between</source>
+        <translation>Aradakileri de seç</translation>
+    </message>
+    <message>
+        <source>As in the file: {name}</source>
+        <translation>Dosyadaki gibi: {name}</translation>
+    </message>
+    <message>
+        <source>Cancel</source>
+        <translation>İptal</translation>
+    </message>
+    <message>
+        <source>Choose also the lines that connect the chosen ones by the shortest way</source>
+        <translation>Seçilenleri en kısa yoldan bağlayan çizgileri de seçer</translation>
+    </message>
+    <message>
+        <source>Coordinate system</source>
+        <translation>Koordinat sistemi</translation>
+    </message>
+    <message>
+        <source>Cut off what lies before the launch</source>
+        <translation>Bırakma noktasından öncesini kes</translation>
+    </message>
+    <message>
+        <source>Direction and accuracy</source>
+        <translation>Yön ve doğruluk</translation>
+    </message>
+    <message>
+        <source>Drawing's own metres: the line begins at the launch</source>
+        <translation>Çizimin kendi metreleri: çizgi bırakma noktasında başlar</translation>
+    </message>
+    <message>
+        <source>East and north are swapped</source>
+        <translation>Doğu ile kuzey yer değiştirmiş</translation>
+    </message>
+    <message>
+        <source>How far the pipe may lie from the line of the map (one standard deviation)</source>
+        <translation>Borunun haritadaki çizgiden ne kadar uzakta olabileceği (bir standart sapma)</translation>
+    </message>
+    <message>
+        <source>Import route</source>
+        <translation>Güzergâh al</translation>
+    </message>
+    <message>
+        <source>Import route: {file}</source>
+        <translation>Güzergâh al: {file}</translation>
+    </message>
+    <message>
+        <source>Join gaps up to (m)</source>
+        <translation>Birleştirilecek boşluk (m)</translation>
+    </message>
+    <message>
+        <source>Lines: tap those that the run followed</source>
+        <translation>Çizgiler: koşunun izlediklerine dokunun</translation>
+    </message>
+    <message>
+        <source>Map accuracy ± 1σ (m)</source>
+        <translation>Harita doğruluğu ± 1σ (m)</translation>
+    </message>
+    <message>
+        <source>Metres east and north of the launch</source>
+        <translation>Bırakma noktasından doğuya ve kuzeye metre</translation>
+    </message>
+    <message>
+        <source>Route: {length} m</source>
+        <translation>Güzergâh: {length} m</translation>
+    </message>
+    <message>
+        <source>Tap the line that the run followed, in the map or in the list.</source>
+        <translation>Haritada ya da listede, koşunun izlediği çizgiye dokunun.</translation>
+    </message>
+    <message>
+        <source>The file does not say its coordinate system: choose it, or the drawing's own metres.</source>
+        <translation>Dosya koordinat sistemini söylemiyor: onu ya da çizimin kendi metrelerini seçin.</translation>
+    </message>
+    <message>
+        <source>The numbers are in</source>
+        <translation>Sayıların birimi</translation>
+    </message>
+    <message>
+        <source>Turn round</source>
+        <translation>Ters çevir</translation>
+    </message>
+    <message>
+        <source>US survey feet</source>
+        <translation>ABD ölçme ayağı</translation>
+    </message>
+    <message>
+        <source>Use as route</source>
+        <translation>Güzergâh yap</translation>
+    </message>
+    <message>
+        <source>as in the coordinate system</source>
+        <translation>koordinat sistemindeki gibi</translation>
+    </message>
+    <message>
+        <source>centimetres</source>
+        <translation>santimetre</translation>
+    </message>
+    <message>
+        <source>feet</source>
+        <translation>ayak (ft)</translation>
+    </message>
+    <message>
+        <source>inches</source>
+        <translation>inç</translation>
+    </message>
+    <message>
+        <source>metres</source>
+        <translation>metre</translation>
+    </message>
+    <message>
+        <source>millimetres</source>
+        <translation>milimetre</translation>
+    </message>
+    <message>
+        <source>surveyed length {length} m, difference {difference} m</source>
+        <translation>ölçülen uzunluk {length} m, fark {difference} m</translation>
+    </message>
+    <message>
+        <source>{off} m from the launch</source>
+        <translation>bırakma noktasından {off} m</translation>
+    </message>
+</context>
+<context>
+    <name>RouteMap</name>
+    <message>
+        <source>End</source>
+        <translation>Son</translation>
+    </message>
+    <message>
+        <source>Lines of the file from above</source>
+        <translation>Dosyadaki çizgilerin üstten görünüşü</translation>
+    </message>
+    <message>
+        <source>N</source>
+        <translation>K</translation>
+    </message>
+    <message>
+        <source>Start</source>
+        <translation>Baş</translation>
+    </message>
+    <message>
+        <source>m</source>
+        <translation>m</translation>
+    </message>
+</context>
+<context>
+    <name>SectionModel</name>
+    <message>
+        <source>Layer</source>
+        <translation>Katman</translation>
+    </message>
+    <message>
+        <source>Length (m)</source>
+        <translation>Uzunluk (m)</translation>
+    </message>
+    <message>
+        <source>Line</source>
+        <translation>Çizgi</translation>
+    </message>
+    <message>
+        <source>Use</source>
+        <translation>Kullan</translation>
+    </message>
+    <message>
+        <source>line {number}</source>
+        <translation>çizgi {number}</translation>
+    </message>
+</context>
+<context>
+    <name>SectionTable</name>
+    <message>
+        <source>Lines of the file</source>
+        <translation>Dosyadaki çizgiler</translation>
+    </message>
 </context>
 <context>
     <name>SpectrogramView</name>
@@ -1407,6 +1858,13 @@
     </message>
 </context>
 <context>
+    <name>StripsView</name>
+    <message>
+        <source>No motion data</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>SurveyForm</name>
     <message>
         <source>Channel (from 0)</source>
@@ -1441,6 +1899,10 @@
         <translation>CTP</translation>
     </message>
     <message>
+        <source>Import route…</source>
+        <translation>Güzergâh al…</translation>
+    </message>
+    <message>
         <source>Inner diameter (mm)</source>
         <translation>İç çap (mm)</translation>
     </message>
@@ -1461,12 +1923,20 @@
         <translation>Boylam (°)</translation>
     </message>
     <message>
+        <source>Mapped route</source>
+        <translation>Haritadaki güzergâh</translation>
+    </message>
+    <message>
         <source>Method</source>
         <translation>Yöntem</translation>
     </message>
     <message>
         <source>Name</source>
         <translation>Ad</translation>
+    </message>
+    <message>
+        <source>None. With the pipe's line from the map the path cannot leave it.</source>
+        <translation>Yok. Borunun haritadaki çizgisi verilirse yol ondan ayrılamaz.</translation>
     </message>
     <message>
         <source>Operator</source>
@@ -1483,6 +1953,10 @@
     <message>
         <source>Position</source>
         <translation>Konum</translation>
+    </message>
+    <message>
+        <source>Remove route</source>
+        <translation>Güzergâhı kaldır</translation>
     </message>
     <message>
         <source>Rolling radius (mm)</source>
@@ -1541,6 +2015,10 @@
         <translation>Koordinat sistemi</translation>
     </message>
     <message>
+        <source>local metres</source>
+        <translation>yerel metre</translation>
+    </message>
+    <message>
         <source>needed</source>
         <translation>gerekli</translation>
     </message>
@@ -1555,6 +2033,29 @@
     <message>
         <source>unknown</source>
         <translation>bilinmiyor</translation>
+    </message>
+    <message>
+        <source>{length} m, {count} points, {system}, ± {sigma} m (1σ)</source>
+        <translation>{length} m, {count} nokta, {system}, ± {sigma} m (1σ)</translation>
+    </message>
+</context>
+<context>
+    <name>TieControl</name>
+    <message>
+        <source>The path follows the tie points. The leaks in the list still stand where they were.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>back at the launch</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>mark {number}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>tie points</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
