@@ -31,6 +31,7 @@ from app.help_control import HelpControl
 from app.jobs import Job, Jobs
 from app.methods import methods
 from app.player import Player
+from app.quality_control import QualityControl
 from app.report_control import ReportControl
 from app.review_control import ReviewControl
 from app.review_page import ReviewPage
@@ -86,6 +87,7 @@ class MainWindow(QMainWindow):
         self.comparison = ComparisonControl(
             self._session, services.jobs, self.review_page.methods, self.review_page.path, language, self
         )
+        self.quality = QualityControl(self._session, self.review_page.quality, language, self)
         self.ties = TieControl(self._session, self.review_page, self.review_page.markers, self)
         self.route = RouteControl(
             self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
@@ -183,6 +185,7 @@ class MainWindow(QMainWindow):
         self.files.told.connect(self._tell)
         self.report.told.connect(self._tell)
         self.comparison.reprocess_asked.connect(self.files.reprocess)
+        self.review_page.tools.chosen.connect(lambda name: self.quality.set_shown(name == "quality"))
         self.ties.reprocess_asked.connect(self.files.reprocess)
         self.ties.failed.connect(self._tell_error)
         self.player.failed.connect(self._tell_error)
@@ -285,10 +288,10 @@ class MainWindow(QMainWindow):
         }
         for row in ACTIONS:
             self.actions_by_id[row.id].setEnabled(met[row.needs])
-        for name in ("mark", "tie"):
-            self.actions_by_id[name].setEnabled(reviewing and session.writable)
         self.actions_by_id["route"].setEnabled(self.route.ready)
         self.actions_by_id["route_remove"].setEnabled(self.route.ready and self.data_page.survey.route is not None)
+        for name in ("mark", "tie"):
+            self.actions_by_id[name].setEnabled(reviewing and session.writable)
         self.actions_by_id["export"].setEnabled(session.results is not None)
         for page in (*REVIEW_PAGES, "report"):
             self.step_bar.set_enabled(page, enabled=session.results is not None)

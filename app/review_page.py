@@ -26,6 +26,7 @@ from widgets.path_view import PathView
 from widgets.playback_bar import PlaybackBar
 from widgets.plot_theme import Theme
 from widgets.profile_view import ProfileView
+from widgets.quality_panel import QualityPanel
 from widgets.spectrogram_view import SpectrogramView
 from widgets.time_cursor import TimeCursor
 from widgets.vocabulary import clock_text, number
@@ -60,6 +61,7 @@ class ReviewPage(QWidget):
         self.decision = DecisionPanel(theme)
         self.playback = PlaybackBar()
         self.methods, self.markers = MethodPanel(), MarkerPanel()
+        self.quality = QualityPanel(cursor, theme)
         self._readout = QLabel()
         self._readout.setObjectName("readout")
         self._readout.setTextFormat(Qt.TextFormat.PlainText)
@@ -84,6 +86,7 @@ class ReviewPage(QWidget):
         self.tools = PathTools(self._strips, self.tr("Motion"))
         self.tools.add_tool("markers", self.tr("Tie points"), self.markers)
         self.tools.add_tool("methods", self.tr("Methods"), self.methods)
+        self.tools.add_tool("quality", self.tr("Quality"), self.quality)
         side = QWidget()
         layout = QVBoxLayout(side)
         layout.setContentsMargins(4, 0, 0, 0)
@@ -192,6 +195,7 @@ class ReviewPage(QWidget):
         """Draw everything in this theme."""
         for view in self.views:
             view.apply_theme(theme)
+        self.quality.apply_theme(theme)
         self.table.set_theme(theme)
         self.decision.set_theme(theme)
 

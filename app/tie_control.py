@@ -22,7 +22,8 @@ from widgets.tie_point_panel import closed_loop
 
 if TYPE_CHECKING:
     from app.review_page import ReviewPage
-    from processing.position.fitting import FitPreview, FitProblem
+    from processing.position.fit_results import FitPreview
+    from processing.position.fitting import FitProblem
     from processing.position.tie_checks import TieCheck
     from processing.results import Results
 

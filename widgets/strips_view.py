@@ -53,22 +53,34 @@ class StripBox:
 
 @dataclass(frozen=True)
 class Strip:
-    """One strip: its name, unit, curves with their colours, and its vertical axis; ``labels`` name the curves."""
+    """One strip: its name, unit, curves with their colours, and its vertical axis.
+
+    ``labels`` name the curves. Of an ``interval`` the curves are lower end, upper end and value, in this order.
+    """
 
     name: str
     unit: str
     curves: tuple[tuple[Curve, str], ...]
     scale: Scale
     labels: tuple[str, ...] = ()
+    interval: bool = False
 
 
 def strip_of(
-    name: str, unit: str, curves: tuple[tuple[Curve, str], ...], least: float, labels: tuple[str, ...] = ()
+    name: str,
+    unit: str,
+    curves: tuple[tuple[Curve, str], ...],
+    least: float,
+    labels: tuple[str, ...] = (),
+    *,
+    from_zero: bool = False,
+    interval: bool = False,
 ) -> Strip:
     """Return a strip whose axis holds all but the rarest values of its curves, and is at least ``least`` high."""
     spans = [span for curve, _ in curves if (span := curve.by_time.span(SHOWN_PART)) is not None]
-    whole = (min(s[0] for s in spans), max(s[1] for s in spans)) if spans else None
-    return Strip(name, unit, curves, Scale(*padded(whole, least)), labels)
+    zero = [0.0] if from_zero else []
+    whole = (min([s[0] for s in spans] + zero), max([s[1] for s in spans] + zero)) if spans else None
+    return Strip(name, unit, curves, Scale(*padded(whole, least)), labels, interval)
 
 
 class StripsView(CurvePlot):
@@ -147,12 +159,25 @@ class StripsView(CurvePlot):
         for strip, room in zip(self._strips, self.strip_rects(), strict=True):
             box = QRectF(rect.left(), room.top(), rect.width(), room.height())
             self._paint_value(painter, box, 0, strip.name, self._theme.text)
-            labels = strip.labels or ("",) * len(strip.curves)
-            for row, ((curve, colour), label) in enumerate(zip(strip.curves, labels, strict=True), start=1):
-                value = curve.value_at_cursor(self._cursor)
-                digits = 0 if abs(value) >= 1000 else 1 if abs(value) >= 10 else 2 if abs(value) >= 0.1 else 3
-                text = self._value_text(value, digits, strip.unit)
-                self._paint_value(painter, box, row, f"{label} {text}" if label else text, colour)
+            for row, (text, colour) in enumerate(self._value_lines(strip), start=1):
+                self._paint_value(painter, box, row, text, colour)
+
+    def _value_lines(self, strip: Strip) -> list[tuple[str, str]]:
+        """Return what stands beside a strip, with its colour."""
+        values = [curve.value_at_cursor(self._cursor) for curve, _ in strip.curves]
+        if strip.interval:
+            _, high, value = values
+            colour = strip.curves[2][1]
+            return [
+                (self._value_text(value, _digits(value), strip.unit), colour),
+                ("± " + self._value_text(high - value, _digits(high - value), strip.unit), self._theme.text),
+            ]
+        labels = strip.labels or ("",) * len(strip.curves)
+        texts = [self._value_text(value, _digits(value), strip.unit) for value in values]
+        return [
+            (f"{label} {text}" if label else text, colour)
+            for label, text, (_, colour) in zip(labels, texts, strip.curves, strict=True)
+        ]
 
     # --- the mouse ---
 
@@ -180,3 +205,7 @@ class StripsView(CurvePlot):
 
     def _fit_vertical(self) -> None:
         self._arrange()
+
+
+def _digits(value: float) -> int:
+    return 0 if abs(value) >= 1000 else 1 if abs(value) >= 10 else 2 if abs(value) >= 0.1 or value == 0.0 else 3
