@@ -54,9 +54,10 @@ def _half_turn(rx: cython.double, ry: cython.double, rz: cython.double, out: cyt
     """Put the quaternion ``exp(r)`` into ``out`` (4,)."""
     square: cython.double = rx * rx + ry * ry + rz * rz
     f: cython.double
-    if square < 1e-8:
-        out[0] = 1.0 - square / 8.0
-        f = 0.5 - square / 48.0
+    if square < 0.06:  # the series to rounding: a sample's turn is small, and sine and cosine would cost most of all
+        u: cython.double = square * (1.0 / 24.0)
+        out[0] = 1.0 - 3.0 * u * (1.0 - 0.5 * u * (1.0 - 0.2 * u * (1.0 - u * (3.0 / 28.0))))
+        f = 0.5 - 0.5 * u * (1.0 - 0.3 * u * (1.0 - u * (1.0 / 7.0) * (1.0 - u * (1.0 / 12.0))))
     else:
         angle: cython.double = sqrt(square)
         out[0] = cos(0.5 * angle)
@@ -205,8 +206,9 @@ def _correct(
     innovation -= t[_X + which]
     for i in range(9):
         t[_H + i] = s[_P + 9 * which + i]
+    total = 1.0 / total
     for i in range(9):
-        t[_K + i] = t[_H + i] / total
+        t[_K + i] = t[_H + i] * total
         t[_X + i] += t[_K + i] * innovation
         for j in range(i + 1):
             s[_P + 9 * i + j] -= t[_K + i] * t[_H + j]
@@ -334,9 +336,7 @@ def _take_heading(
     sigma: cython.double = heading_sigma(east, north, up, noise[6], noise[8], noise[9], noise[10])
     if sigma > 0.0:
         value: cython.double = atan2(east, north)
-        sigma *= sigma
-        if value * value > 9.0 * (s[_P + 20] + sigma):
-            sigma = value * value / 9.0
+        sigma = max(sigma * sigma, value * value / 9.0 - s[_P + 20])
         _correct_heading(s, t, value, sigma * noise[7] * noise[7] / dt_s)
 
 
@@ -396,5 +396,5 @@ def eskf(
                 _inject(state, scratch)
             for j in range(4):
                 out[k, j] = state[j]
-            for j in range(3):
-                out_bias[k, j] = state[_B + j]
+                if j < 3:
+                    out_bias[k, j] = state[_B + j]

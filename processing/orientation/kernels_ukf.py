@@ -39,9 +39,13 @@ def _exp(rx: cython.double, ry: cython.double, rz: cython.double, out: cython.do
     """Put the quaternion ``exp(r)`` into ``out`` (4,)."""
     square: cython.double = rx * rx + ry * ry + rz * rz
     f: cython.double
-    if square < 1e-8:
-        out[0] = 1.0 - square / 8.0
-        f = 0.5 - square / 48.0
+    if square < 0.06:  # the series to rounding: a sample's turn is small, and sine and cosine would cost most of all
+        out[0] = 1.0 - square * 0.125 * (
+            1.0 - square * (1.0 / 48.0) * (1.0 - square * (1.0 / 120.0) * (1.0 - square * (1.0 / 224.0)))
+        )
+        f = 0.5 - square * (1.0 / 48.0) * (
+            1.0 - square * (1.0 / 80.0) * (1.0 - square * (1.0 / 168.0) * (1.0 - square * (1.0 / 288.0)))
+        )
     else:
         angle: cython.double = sqrt(square)
         out[0] = cos(0.5 * angle)
@@ -106,10 +110,31 @@ def _factor(
                 total -= t[_L + 6 * i + k] * t[_L + 6 * j + k]
             if i == j:
                 t[_L + 7 * i] = sqrt(total) if total > 0.0 else 0.0
+                t[_D + i] = 1.0 / t[_L + 7 * i] if total > 0.0 else 0.0
             else:
-                t[_L + 6 * i + j] = total / t[_L + 7 * j] if t[_L + 7 * j] > 0.0 else 0.0
+                t[_L + 6 * i + j] = total * t[_D + j] if t[_L + 7 * j] > 0.0 else 0.0
         for j in range(i + 1, 6):
             t[_L + 6 * i + j] = 0.0
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def _twice_atan(y: cython.double, x: cython.double) -> cython.double:
+    """Return ``2 atan2(y, x)``, by the series to rounding where the angle is small."""
+    t: cython.double = y / x if x > 0.0 else 1.0
+    if -0.1 < t < 0.1:
+        x = t * t
+        return (
+            2.0
+            * t
+            * (
+                1.0
+                - x * (1.0 / 3.0 - x * (0.2 - x * (1.0 / 7.0 - x * (1.0 / 9.0 - x * (1.0 / 11.0 - x * (1.0 / 13.0))))))
+            )
+        )
+    return 2.0 * atan2(y, x)
 
 
 @cython.cfunc
@@ -167,9 +192,10 @@ def _points(
             x = t[_D + 1]
             y = t[_D + 2]
             z = t[_D + 3]
-        t[at] = 4.0 * x / (1.0 + w)
-        t[at + 1] = 4.0 * y / (1.0 + w)
-        t[at + 2] = 4.0 * z / (1.0 + w)
+        sign = 4.0 / (1.0 + w)
+        t[at] = sign * x
+        t[at + 1] = sign * y
+        t[at + 2] = sign * z
         # R(δq)ᵀ u = u − 2 w (v × u) + 2 v × (v × u)
         dx = y * uz - z * uy
         dy = z * ux - x * uz
@@ -177,7 +203,7 @@ def _points(
         t[at + 6] = ux - 2.0 * (w * dx - y * dz + z * dy)
         t[at + 7] = uy - 2.0 * (w * dy - z * dx + x * dz)
         t[at + 8] = uz - 2.0 * (w * dz - x * dy + y * dx)
-        t[at + 9] = 2.0 * atan2(x * ux + y * uy + z * uz, w)
+        t[at + 9] = _twice_atan(x * ux + y * uy + z * uz, w)
 
 
 @cython.cfunc
@@ -190,6 +216,8 @@ def _moments(t: cython.double[::1], gyr_variance: cython.double, bias_variance: 
     k: cython.Py_ssize_t
     at: cython.Py_ssize_t
     total: cython.double
+    second: cython.double
+    third: cython.double
     for j in range(10):
         total = 0.0
         for k in range(1, 13):
@@ -202,9 +230,13 @@ def _moments(t: cython.double[::1], gyr_variance: cython.double, bias_variance: 
     for i in range(10):
         for j in range(i, 10):
             total = 2.0 * _LAMBDA * t[_POINTS + i] * t[_POINTS + j]
-            for k in range(1, 13):
-                total += t[_POINTS + 10 * k + i] * t[_POINTS + 10 * k + j]
-            total *= 0.5 / _SPAN
+            second = third = 0.0
+            for k in range(1, 13, 3):  # three sums, so that no addition waits for the one before
+                at = _POINTS + 10 * k
+                total += t[at + i] * t[at + j]
+                second += t[at + 10 + i] * t[at + 10 + j]
+                third += t[at + 20 + i] * t[at + 20 + j]
+            total = (total + second + third) * 0.5 / _SPAN
             if i == j and i < 6:
                 total += gyr_variance if i < 3 else bias_variance
             t[_C + 10 * i + j] = total
@@ -224,16 +256,19 @@ def _read(
     """
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
+    gain: cython.double
     innovation: cython.double = value - t[_MEAN + which]
     total: cython.double = t[_C + 11 * which] + variance
     if bounded and innovation * innovation > 9.0 * total:
         total = innovation * innovation / 9.0
     for i in range(10):
         t[_GAIN + i] = t[_C + 10 * which + i]
+    total = 1.0 / total
     for i in range(10):
-        t[_MEAN + i] += t[_GAIN + i] / total * innovation
+        gain = t[_GAIN + i] * total
+        t[_MEAN + i] += gain * innovation
         for j in range(i, 10):
-            t[_C + 10 * i + j] -= t[_GAIN + i] * t[_GAIN + j] / total
+            t[_C + 10 * i + j] -= gain * t[_GAIN + j]
             t[_C + 10 * j + i] = t[_C + 10 * i + j]
 
 

@@ -271,8 +271,7 @@ def textbook_eskf(r, n):
                 if norm_off < 1.0 and dip_off < 1.0:
                     yaw = np.arctan2(field[0], field[1])
                     variance = n[6] ** 2 * (1.0 + 4.0 * norm_off**2 + 16.0 * dip_off**2)
-                    if yaw**2 > 9.0 * (cov[2, 2] + variance):
-                        variance = yaw**2 / 9.0
+                    variance = max(variance, yaw**2 / 9.0 - cov[2, 2])  # at most 3 sigma off
                     variance *= n[7] ** 2 / dt
                     total = cov[2, 2] + variance
                     gain = np.zeros(9)
