@@ -13,7 +13,7 @@ from widgets.quality_panel import NOISE, QualityLine, QualityLines, QualityPanel
 if TYPE_CHECKING:
     from processing.results import Results
 
-GROUPS = ("interval", "speed", "attitude", "offset", "heading", "innovations", NOISE)
+GROUPS = ("interval", "speed", "attitude", "offset", "heading", "innovations", "field", NOISE)
 
 
 class QualityControl(QObject):

@@ -157,6 +157,7 @@ def process(
         reckoned=path.reckoned if path is not None else None,
         tie_checks=path.fitted.checks if path is not None else (),
         series=path.fitted.series if path is not None else None,
+        attitude=oriented.attitude if oriented is not None else None,
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.orientation import quaternions as qt
+from processing.orientation.magnetic_series import magnetic_series
 from processing.position.fit_results import FitSeries
 from processing.results import Results
 from processing.survey import FloatArray
@@ -117,6 +118,33 @@ def _innovations(results: Results) -> tuple[QualityStrip, ...]:
     return tuple(QualityStrip(f"innovation_{kind}", "σ", (_spikes(series, kind),), 6.0) for kind in kinds)
 
 
+def _field(results: Results) -> tuple[QualityStrip, ...]:
+    """Strength and inclination between the limits of what is believed, and how far north was off the attitude's."""
+    imu, attitude, calibration = results.recording.imu, results.attitude, results.calibration
+    if imu is None or attitude is None or calibration is None:
+        return ()
+    field = magnetic_series(imu, attitude, calibration, results.survey.pipe.material, results.settings.orientation)
+    if field is None:
+        return ()
+    norm = _limited("norm", field.time_s, field.norm_ut, field.expected_norm_ut, field.norm_tolerance_ut)
+    dip = _limited("dip", field.time_s, field.dip_deg, field.expected_dip_deg, field.dip_tolerance_deg)
+    north = (QualityCurve("north", field.time_s, field.innovation_deg),)
+    return (
+        QualityStrip("norm", "µT", norm, 5.0),
+        QualityStrip("dip", "°", dip, 5.0),
+        QualityStrip("north", "°", north, 5.0),
+    )
+
+
+def _limited(
+    key: str, time_s: FloatArray, values: FloatArray, expected: float, tolerance: float
+) -> tuple[QualityCurve, ...]:
+    """Return a curve with the limits within which it is believed."""
+    ends = np.array([time_s[0], time_s[-1]])
+    limits = (QualityCurve("limit", ends, np.full(2, expected + sign * tolerance)) for sign in (-1.0, 1.0))
+    return (QualityCurve(key, time_s, values), *limits)
+
+
 def _spikes(series: FitSeries, kind: str) -> QualityCurve:
     """One spike for each innovation: from zero, and back to it."""
     some = sorted((i for i in series.innovations if i.kind == kind), key=lambda i: i.time_s)
@@ -146,4 +174,5 @@ GROUPS: dict[str, Callable[[Results], tuple[QualityStrip, ...]]] = {
     "offset": _offset,
     "heading": _heading,
     "innovations": _innovations,
+    "field": _field,
 }

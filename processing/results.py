@@ -9,7 +9,7 @@ from processing.position.tie_checks import TieCheck
 from processing.settings import Settings
 from processing.sound.level_along import LevelAlong
 from processing.sound.scan import SoundScan
-from processing.survey import Candidate, ClockMap, Finding, Recording, Stretch, Survey, Track
+from processing.survey import Attitude, Candidate, ClockMap, Finding, Recording, Stretch, Survey, Track
 
 
 @dataclass(frozen=True)
@@ -33,3 +33,4 @@ class Results:
     reckoned: Reckoned | None = None  # what the path is fitted from: `problem_of` makes the live fit of it
     tie_checks: tuple[TieCheck, ...] = ()
     series: FitSeries | None = None  # the course of the fit's unknowns
+    attitude: Attitude | None = None  # at the IMU's rate, memory-mapped where it came from the cache

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from small_survey import make_folder, make_results, make_track
 
-from processing.orientation.calibration import Calibration
+from processing.orientation.calibration import Calibration, calibrate
 from processing.orientation.quaternions import from_euler_zyx
 from processing.position.fit_results import FitSeries, Innovation
 from processing.quality import GROUPS, quality_strips
+from processing.settings import OrientationSettings
+from processing.survey import Attitude, ImuSamples
 
 
 @pytest.fixture
@@ -87,3 +89,24 @@ def test_the_gyro_offset_is_that_of_the_calibration_between_its_rests(results):
 def test_a_run_without_a_path_or_a_fit_shows_nothing_instead_of_failing(results):
     bare = replace(results, track=None, calibration=None, series=None)
     assert [quality_strips(bare, group) for group in GROUPS] == [()] * len(GROUPS)
+
+
+def test_the_magnetic_field_is_shown_between_the_limits_of_what_is_believed(results):
+    count = 3000
+    time_s = np.arange(count) * 0.02
+    dip = np.radians(60.0)
+    field_w = 50.0 * np.array([0.0, np.cos(dip), -np.sin(dip)])  # north and down
+    mag = np.tile(field_w, (count, 1))
+    mag[1500:1700] *= 1.5  # iron near by
+    noise = np.random.default_rng(3).normal(0.0, 0.01, (count, 3))
+    acc = np.tile([0.0, 0.0, 9.81], (count, 1)) + noise
+    imu = ImuSamples(time_s, acc, 0.1 * noise, np.ones(count, dtype=bool), mag_s_ut=mag + noise)
+    attitude = Attitude(np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros(3), "test")
+    calibration = calibrate(imu, OrientationSettings())
+    recording = replace(results.recording, imu=imu)
+    changed = replace(results, recording=recording, attitude=attitude, calibration=calibration)
+    norm, inclination, _ = quality_strips(changed, "field")
+    value, low, high = norm.curves
+    assert np.interp(10.0, value.time_s, value.values) == pytest.approx(50.0, abs=0.5)
+    assert np.interp(32.0, value.time_s, value.values) > high.values[0] > 50.0 > low.values[0]
+    assert np.interp(10.0, value.time_s, inclination.curves[0].values) == pytest.approx(60.0, abs=1.0)
