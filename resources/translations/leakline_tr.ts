@@ -33,7 +33,7 @@
     </message>
     <message>
         <source>Add a tie point at the cursor: a place the device is known to have passed then</source>
-        <translation type="unfinished"></translation>
+        <translation>İmleçte bir bağlama noktası ekler: cihazın o anda geçtiği bilinen bir yer</translation>
     </message>
     <message>
         <source>All keys on one sheet</source>
@@ -357,7 +357,7 @@
     </message>
     <message>
         <source>Tie point here</source>
-        <translation type="unfinished"></translation>
+        <translation>Buraya bağlama noktası</translation>
     </message>
     <message>
         <source>Türkçe / English</source>
@@ -404,7 +404,7 @@
     <name>AllanPlot</name>
     <message>
         <source>Noise of the sensors</source>
-        <translation type="unfinished"></translation>
+        <translation>Algılayıcıların gürültüsü</translation>
     </message>
 </context>
 <context>
@@ -626,35 +626,35 @@
     <name>ComparisonControl</name>
     <message>
         <source>'End off' is how far it ends from '{name}'.</source>
-        <translation type="unfinished"></translation>
+        <translation>'Son farkı', yolun '{name}' noktasından ne kadar uzakta bittiğidir.</translation>
     </message>
     <message>
         <source>'Length off' is measured against the pipe's length of {length} m.</source>
-        <translation type="unfinished"></translation>
+        <translation>'Uzunluk farkı', borunun {length} m uzunluğuna göre ölçülür.</translation>
     </message>
     <message>
         <source>'Length off' is measured at '{name}'; nothing tells where the end lies.</source>
-        <translation type="unfinished"></translation>
+        <translation>'Uzunluk farkı' '{name}' noktasında ölçülür; sonun nerede olduğunu söyleyen bir şey yok.</translation>
     </message>
     <message>
         <source>No first heading is known, so each path was turned to fit first.</source>
-        <translation type="unfinished"></translation>
+        <translation>İlk yön bilinmediği için her yol önce uyacak biçimde döndürüldü.</translation>
     </message>
     <message>
         <source>No tie point or length is known, so nothing tells which is right: compare the shapes.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bağlama noktası ya da uzunluk bilinmiyor; hangisinin doğru olduğunu söyleyen bir şey yok: biçimleri karşılaştırın.</translation>
     </message>
     <message>
         <source>Trying the methods</source>
-        <translation type="unfinished"></translation>
+        <translation>Yöntemler deneniyor</translation>
     </message>
     <message>
         <source>automatic</source>
-        <translation type="unfinished"></translation>
+        <translation>otomatik</translation>
     </message>
     <message>
         <source>orientation method</source>
-        <translation type="unfinished"></translation>
+        <translation>yönelim yöntemi</translation>
     </message>
 </context>
 <context>
@@ -1108,58 +1108,58 @@
     <name>MarkerModel</name>
     <message>
         <source>All others contradict it, so it is not believed: check its place and its time.</source>
-        <translation type="unfinished"></translation>
+        <translation>Ötekilerin hepsiyle çelişiyor, bu yüzden ona inanılmıyor: yerini ve zamanını denetleyin.</translation>
     </message>
     <message>
         <source>At (m)</source>
-        <translation type="unfinished"></translation>
+        <translation>Yeri (m)</translation>
     </message>
     <message>
         <source>Fits to</source>
-        <translation type="unfinished"></translation>
+        <translation>Uyum</translation>
     </message>
     <message>
         <source>If we had not known it, the path would have been off here by {metres} m.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bunu bilmeseydik yol burada {metres} m şaşardı.</translation>
     </message>
     <message>
         <source>Time (s)</source>
-        <translation type="unfinished"></translation>
+        <translation>Zaman (s)</translation>
     </message>
     <message>
         <source>Without it</source>
-        <translation type="unfinished"></translation>
+        <translation>O olmasa</translation>
     </message>
     <message>
         <source>± 1σ</source>
-        <translation type="unfinished"></translation>
+        <translation>± 1σ</translation>
     </message>
 </context>
 <context>
     <name>MarkerPanel</name>
     <message>
         <source>Add at cursor</source>
-        <translation type="unfinished"></translation>
+        <translation>İmlece ekle</translation>
     </message>
     <message>
         <source>Drag a square on the plan to its place, or its flag on a strip to its moment; Esc puts it back. 'Without it': how far off we would be here, had we not known it.</source>
-        <translation type="unfinished"></translation>
+        <translation>Plandaki kareyi yerine ya da şeritteki bayrağını anına sürükleyin; Esc geri koyar. 'O olmasa': bunu bilmeseydik burada ne kadar şaşardık.</translation>
     </message>
     <message>
         <source>Ended where it began</source>
-        <translation type="unfinished"></translation>
+        <translation>Başladığı yerde bitti</translation>
     </message>
     <message>
         <source>Place the leaks anew</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçakları yeniden yerleştir</translation>
     </message>
     <message>
         <source>Remove</source>
-        <translation type="unfinished"></translation>
+        <translation>Sil</translation>
     </message>
     <message>
         <source>Tie points</source>
-        <translation type="unfinished"></translation>
+        <translation>Bağlama noktaları</translation>
     </message>
 </context>
 <context>
@@ -1173,43 +1173,43 @@
     <name>MethodPanel</name>
     <message>
         <source>Clear</source>
-        <translation type="unfinished"></translation>
+        <translation>Temizle</translation>
     </message>
     <message>
         <source>Each method's path by itself: no tie point, no length and no map pulls on it.</source>
-        <translation type="unfinished"></translation>
+        <translation>Her yöntemin kendi başına bulduğu yol: bağlama noktası, uzunluk ya da harita onu çekmez.</translation>
     </message>
     <message>
         <source>End off</source>
-        <translation type="unfinished"></translation>
+        <translation>Son farkı</translation>
     </message>
     <message>
         <source>Length off</source>
-        <translation type="unfinished"></translation>
+        <translation>Uzunluk farkı</translation>
     </message>
     <message>
         <source>Method</source>
-        <translation type="unfinished"></translation>
+        <translation>Yöntem</translation>
     </message>
     <message>
         <source>Methods</source>
-        <translation type="unfinished"></translation>
+        <translation>Yöntemler</translation>
     </message>
     <message>
         <source>Try the ticked ones</source>
-        <translation type="unfinished"></translation>
+        <translation>İşaretlileri dene</translation>
     </message>
     <message>
         <source>Use this one</source>
-        <translation type="unfinished"></translation>
+        <translation>Bunu kullan</translation>
     </message>
     <message>
         <source>Way found: {metres} m</source>
-        <translation type="unfinished"></translation>
+        <translation>Bulunan yol: {metres} m</translation>
     </message>
     <message>
         <source>cannot</source>
-        <translation type="unfinished"></translation>
+        <translation>olmuyor</translation>
     </message>
 </context>
 <context>
@@ -1383,26 +1383,26 @@
     <name>QualityPanel</name>
     <message>
         <source>Reading …</source>
-        <translation type="unfinished"></translation>
+        <translation>Okunuyor …</translation>
     </message>
     <message>
         <source>What to show</source>
-        <translation type="unfinished"></translation>
+        <translation>Gösterilecek</translation>
     </message>
 </context>
 <context>
     <name>QualityView</name>
     <message>
         <source>Quality of the run</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaydın kalitesi</translation>
     </message>
     <message>
         <source>Reading …</source>
-        <translation type="unfinished"></translation>
+        <translation>Okunuyor …</translation>
     </message>
     <message>
         <source>This run has nothing to show here</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu kayıtta burada gösterilecek bir şey yok</translation>
     </message>
 </context>
 <context>
@@ -1589,19 +1589,19 @@
     </message>
     <message>
         <source>Methods</source>
-        <translation type="unfinished"></translation>
+        <translation>Yöntemler</translation>
     </message>
     <message>
         <source>Motion</source>
-        <translation type="unfinished"></translation>
+        <translation>Hareket</translation>
     </message>
     <message>
         <source>Quality</source>
-        <translation type="unfinished"></translation>
+        <translation>Kalite</translation>
     </message>
     <message>
         <source>Tie points</source>
-        <translation type="unfinished"></translation>
+        <translation>Bağlama noktaları</translation>
     </message>
 </context>
 <context>
@@ -1861,7 +1861,7 @@
     <name>StripsView</name>
     <message>
         <source>No motion data</source>
-        <translation type="unfinished"></translation>
+        <translation>Hareket verisi yok</translation>
     </message>
 </context>
 <context>
@@ -2043,19 +2043,19 @@
     <name>TieControl</name>
     <message>
         <source>The path follows the tie points. The leaks in the list still stand where they were.</source>
-        <translation type="unfinished"></translation>
+        <translation>Yol bağlama noktalarını izliyor. Listedeki kaçaklar henüz eski yerlerinde.</translation>
     </message>
     <message>
         <source>back at the launch</source>
-        <translation type="unfinished"></translation>
+        <translation>bırakma noktasına dönüş</translation>
     </message>
     <message>
         <source>mark {number}</source>
-        <translation type="unfinished"></translation>
+        <translation>işaret {number}</translation>
     </message>
     <message>
         <source>tie points</source>
-        <translation type="unfinished"></translation>
+        <translation>bağlama noktaları</translation>
     </message>
 </context>
 <context>
