@@ -188,10 +188,13 @@ def _scenarios(_words: argparse.Namespace) -> int:
 
 def _formats(words: argparse.Namespace) -> int:
     from processing.importing.registry import FORMATS
+    from processing.importing.route_files.registry import ROUTE_FORMATS
 
     for entry in FORMATS:
         print(f"{entry.name:20} {entry.title}")
     print(messages.text("cli", "formats_sound", words.language))
+    kinds = dict.fromkeys(f"{entry.title} ({' '.join(entry.suffixes)})" for entry in ROUTE_FORMATS)
+    print(messages.text("cli", "formats_route", words.language, formats=", ".join(kinds)))
     return DONE
 
 

@@ -7,11 +7,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from pyqtgraph.functions import arrayToQPath
 from PySide6.QtCore import QLocale, QPoint, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QMouseEvent,
     QPainter,
+    QPainterPath,
     QPaintEvent,
     QPen,
     QPixmap,
@@ -42,6 +44,9 @@ class RouteMap(QWidget):
         self.setAccessibleName(self.tr("Lines of the file from above"))
         self._theme = theme
         self._planes: tuple[FloatArray, ...] = ()
+        self._corners = np.empty((0, 4))  # west, south, east, north of each section
+        self._rows = np.empty((0, 2))  # the points of all sections, and whose each is
+        self._owner = np.empty(0, dtype=np.intp)
         self._chosen: frozenset[int] = frozenset()
         self._way = np.empty((0, 2))
         self._launch: tuple[float, float] | None = None
@@ -57,6 +62,14 @@ class RouteMap(QWidget):
     def set_lines(self, planes: Sequence[FloatArray], *, keep_view: bool = False) -> None:
         """Show these sections, each (n, 2)."""
         self._planes = tuple(planes)
+        counts = [len(plane) for plane in planes]
+        self._owner = np.repeat(np.arange(len(counts)), counts)
+        self._rows, self._corners = np.empty((0, 2)), np.empty((0, 4))
+        if counts:
+            self._rows = np.concatenate(planes)
+            starts = np.concatenate([[0], np.cumsum(counts[:-1])]).astype(np.intp)
+            low, high = np.minimum.reduceat(self._rows, starts), np.maximum.reduceat(self._rows, starts)
+            self._corners = np.hstack([low, high])
         if not keep_view:
             self.fit()
         self._repaint()
@@ -84,11 +97,8 @@ class RouteMap(QWidget):
     def section_at(self, place: QPointF) -> int | None:
         """Return which section passes nearest to a pixel, None where none is near."""
         best, least = None, REACH_PIXELS
-        for k, plane in enumerate(self._planes):
-            pixels = self._scale.pixels(plane)
-            low, high = pixels.min(axis=0) - REACH_PIXELS, pixels.max(axis=0) + REACH_PIXELS
-            if not (low[0] <= place.x() <= high[0] and low[1] <= place.y() <= high[1]):
-                continue
+        for k in self._near(place.x(), place.y(), place.x(), place.y(), REACH_PIXELS):
+            pixels = self._scale.pixels(self._planes[k])
             start, step = pixels[:-1], np.diff(pixels, axis=0)
             length2 = np.maximum(np.sum(step**2, axis=1), 1e-12)
             here = np.array([place.x(), place.y()])
@@ -97,6 +107,14 @@ class RouteMap(QWidget):
             if away < least:
                 best, least = k, away
         return best
+
+    def _near(self, left: float, top: float, right: float, bottom: float, reach: float) -> list[int]:
+        """Which sections may come within ``reach`` of a rectangle of pixels."""
+        west, north = self._scale.metres(left - reach, top - reach)
+        east, south = self._scale.metres(right + reach, bottom + reach)
+        low_x, low_y, high_x, high_y = self._corners.T
+        inside = (high_x >= west) & (low_x <= east) & (high_y >= south) & (low_y <= north)
+        return [int(k) for k in np.flatnonzero(inside)]
 
     def sizeHint(self) -> QSize:
         """Prefer a square of some size."""
@@ -136,15 +154,32 @@ class RouteMap(QWidget):
         picture.fill(QColor(self._theme.canvas))
         painter = QPainter(picture)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, len(self._planes) < 5000)
-        for k, plane in enumerate(self._planes):
-            if k not in self._chosen:
-                self._paint_line(painter, plane, QPen(QColor(self._theme.route), 1.0 + self._theme.line_width))
+        pen = QPen(QColor(self._theme.route), 1.0 + self._theme.line_width)
+        painter.setPen(pen)
+        painter.drawPath(self._outline())
         for k in sorted(self._chosen):
             pen = QPen(QColor(self._theme.accent), 2.0 + 2.0 * self._theme.line_width)
             pen.setCapStyle(Qt.PenCapStyle.RoundCap)
             self._paint_line(painter, self._planes[k], pen)
         painter.end()
         return picture
+
+    def _outline(self) -> QPainterPath:
+        """All sections that are in view and not chosen, as one path: a city has fifty thousand of them."""
+        shown = np.zeros(len(self._planes), dtype=bool)
+        shown[self._near(0.0, 0.0, self.width(), self.height(), 4.0)] = True
+        shown[sorted(self._chosen)] = False
+        rows = shown[self._owner]
+        pixels, owner = self._scale.pixels(self._rows[rows]), self._owner[rows]
+        if not len(pixels):
+            return QPainterPath()
+        ends = np.append(np.diff(owner) != 0, True)
+        starts = np.append(True, ends[:-1])
+        moved = np.append(True, np.abs(np.diff(np.round(pixels), axis=0)).sum(axis=1) > 0)
+        keep = moved | starts | ends
+        pixels = np.clip(pixels[keep], -1e5, 1e5)
+        path: QPainterPath = arrayToQPath(pixels[:, 0], pixels[:, 1], connect=(~ends[keep]).astype(np.uint8))
+        return path
 
     def _paint_line(self, painter: QPainter, plane: FloatArray, pen: QPen) -> None:
         pixels = self._scale.pixels(plane)

@@ -104,7 +104,7 @@ def test_a_bad_cell_is_named_with_file_line_and_what_to_do(tmp_path, capsys):
 def test_formats_lists_what_can_be_imported(capsys):
     assert cli.run(["formats"]) == 0
     said = capsys.readouterr().out
-    for word in ("neutral", "x-IMU3", "Xsens", "P0/P3", "sound"):
+    for word in ("neutral", "x-IMU3", "Xsens", "P0/P3", "sound", "GeoPackage", "dxf"):
         assert word.lower() in said.lower(), word
 
 
