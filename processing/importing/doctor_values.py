@@ -12,6 +12,7 @@ from processing.settings import ImportSettings
 from processing.survey import BoolArray, Channel, Finding, FloatArray, Severity, Stretch
 
 _AXES = "xyz"
+_LEAST_RANGE = {"gyr": float(np.radians(120.0)), "acc": 15.0}  # ±125 °/s and ±2 g are the smallest in use
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def find_saturated(raw: RawImu) -> list[Mask]:
         rows = np.zeros(len(raw), dtype=np.bool_)
         axes, limit = "", 0.0
         for axis in range(3):
-            for value in _flat_tops(array[:, axis]):
+            for value in _flat_tops(array[:, axis], _LEAST_RANGE[name]):
                 rows |= array[:, axis] == value
                 axes += _AXES[axis] if _AXES[axis] not in axes else ""
                 limit = max(limit, abs(value))
@@ -70,8 +71,12 @@ def find_saturated(raw: RawImu) -> list[Mask]:
     return masks
 
 
-def _flat_tops(values: FloatArray) -> list[float]:
-    """The extreme values at which (n,) values pile up in runs: exactly equal, and far out."""
+def _flat_tops(values: FloatArray, least_range: float) -> list[float]:
+    """The extreme values at which (n,) values pile up in runs: exactly equal, and far out.
+
+    Far from the middle of all values, or, where a device turns too fast for most of a run, beyond ``least_range``, the
+    smallest range that such sensors have.
+    """
     finite = values[np.isfinite(values)]
     if len(finite) < 50:
         return []
@@ -80,7 +85,8 @@ def _flat_tops(values: FloatArray) -> list[float]:
     typical = float(np.sqrt(np.mean(np.square(sample - np.median(sample)))))
     found = []
     for value, near in ((high, high - 0.01 * (high - low)), (low, low + 0.01 * (high - low))):
-        if high <= low or abs(value - float(np.median(sample))) < 1.5 * typical:
+        central = abs(value - float(np.median(sample))) < 1.5 * typical
+        if high <= low or (central and abs(value) < least_range):
             continue
         at = finite == value
         piled = int(at.sum())

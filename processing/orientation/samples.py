@@ -105,7 +105,9 @@ class TrustedSamples:
 
     def _turns(self, gyr: FloatArray, gap_s: FloatArray) -> FloatArray:
         if self.settings.rate_stands_for == "interval":
-            return gyr[1:] * gap_s
+            # a rate tells of its own period; of the hole before it the rates on both sides tell
+            own = np.where(gap_s > 1.5 * self.period_s, self.period_s, gap_s)
+            return gyr[1:] * own + 0.5 * (gyr[:-1] + gyr[1:]) * (gap_s - own)
         return 0.5 * (gyr[:-1] + gyr[1:]) * gap_s + np.cross(gyr[:-1], gyr[1:]) * (gap_s * gap_s / 12.0)
 
     def _field(self, index: "slice | IndexArray", inner: slice) -> tuple[FloatArray, FloatArray]:
