@@ -5,8 +5,8 @@ The tables that do the work are ``processing.orientation.registry.ESTIMATORS`` a
 """
 
 ORIENTATION_NAMES = (
+    "batch",
     "offline_vqf",
-    "smoothed_vqf",
     "vqf",
     "eskf",
     "ukf",
@@ -20,4 +20,4 @@ ORIENTATION_NAMES = (
     "gyro",
     "device",
 )
-POSITION_NAMES = ("rolling", "inertial")
+POSITION_NAMES = ("rolling", "zupt", "inertial")

@@ -7,9 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from processing.errors import ErrorCode, LeaklineError
-from processing.orientation import kernels, kernels_ekf7, kernels_ekf_gd, kernels_eskf, kernels_ukf
+from processing.orientation import (
+    kernels,
+    kernels_ekf7,
+    kernels_ekf_gd,
+    kernels_eskf,
+    kernels_preintegration,
+    kernels_ukf,
+)
 from processing.orientation import quaternions as qt
 from processing.orientation.accelerometer import accelerometer_findings, calibrate_at_rests, calibrate_rolling
+from processing.orientation.batch import batch
 from processing.orientation.calibration import Calibration, calibrate, calibration_findings
 from processing.orientation.direct import acc_mag, device, device_disagrees, device_turns_the_other_way
 from processing.orientation.ekf7 import ekf7, ekf7_recursion
@@ -22,7 +30,6 @@ from processing.orientation.magnetometer import MagnetometerVerdict, judge_magne
 from processing.orientation.mahony import mahony, mahony_recursion
 from processing.orientation.recursion import Estimate, Recursion
 from processing.orientation.samples import BLOCK_ROWS, TrustedSamples, trusted_samples
-from processing.orientation.smoothed_heading import smoothed_vqf
 from processing.orientation.ukf import ukf, ukf_recursion
 from processing.orientation.vqf_filters import bias_in_motion, offline_vqf, vqf
 from processing.progress import Progress
@@ -30,7 +37,7 @@ from processing.settings import OrientationSettings
 from processing.survey import Attitude, Finding, FloatArray, ImuSamples, Motion, Severity, Survey
 
 Function = Callable[[TrustedSamples, float, Progress], Estimate]
-_KERNELS = (kernels, kernels_ekf7, kernels_ekf_gd, kernels_eskf, kernels_ukf)
+_KERNELS = (kernels, kernels_ekf7, kernels_ekf_gd, kernels_eskf, kernels_preintegration, kernels_ukf)
 _log = logging.getLogger(__name__)
 
 
@@ -53,8 +60,8 @@ class Estimator:
 _MADGWICK = "Madgwick, Harrison, Vaidyanathan 2011"
 _MAHONY = "Mahony, Hamel, Pflimlin 2008"
 ESTIMATORS: tuple[Estimator, ...] = (
+    Estimator("batch", "batch", True, False, batch, "Forster 2017, with a bounded velocity"),
     Estimator("offline_vqf", "offline_vqf", True, False, offline_vqf, "Laidig, Seel 2023"),
-    Estimator("smoothed_vqf", "smoothed_vqf", True, False, smoothed_vqf, "Laidig, Seel 2023, with a smoothed heading"),
     Estimator("vqf", "vqf", True, False, vqf, "Laidig, Seel 2023"),
     Estimator("eskf", "eskf", True, False, eskf, "Solà 2017, with a bounded velocity", eskf_recursion),
     Estimator("ukf", "ukf", True, False, ukf, "Crassidis, Markley 2003", ukf_recursion),
@@ -68,8 +75,7 @@ ESTIMATORS: tuple[Estimator, ...] = (
     Estimator("gyro", "gyro", False, False, integrate_gyro, "closed form", gyro_recursion),
     Estimator("device", "device", False, False, device, "the recorder"),
 )
-DEFAULT = "offline_vqf"
-DEFAULT_WITH_FIELD = "smoothed_vqf"
+DEFAULT = "batch"  # best on BROAD and on P1's loops, with a field and without
 
 
 def estimator(name: str) -> Estimator:
@@ -90,9 +96,9 @@ def estimate_attitude(
 ) -> tuple[Attitude, Calibration, tuple[Finding, ...]]:
     """Return the attitude at every sample, the calibration it rests on, and what the operator should know.
 
-    ``survey.processing.orientation`` names the estimator; ``auto`` takes offline VQF, where the magnetometer is trusted
-    with a heading smoothed from it, and the device's own quaternions only where there is no gyro. ``Attitude.reason``
-    says why. Unless ``heading_from`` is ``magnetometer`` or ``device`` the yaw is arbitrary
+    ``survey.processing.orientation`` names the estimator; ``auto`` takes the batch smoother, with its heading from
+    the magnetometer where that is trusted, and the device's own quaternions only where there is no gyro.
+    ``Attitude.reason`` says why. Unless ``heading_from`` is ``magnetometer`` or ``device`` the yaw is arbitrary
     (:mod:`processing.orientation.start`).
 
     Raises:
@@ -105,6 +111,8 @@ def estimate_attitude(
     verdict = judge_magnetometer(imu, calibration, survey.pipe.material, settings)
     chosen, reason = _choose(imu, survey, verdict)
     samples = trusted_samples(imu, calibration, settings, verdict.field if chosen.uses_field else None)
+    if survey.device.motion is Motion.ROLLING:
+        samples = replace(samples, rolling_radius_m=_rolling_radius(survey.device.radius_m))
     found += _sensor_findings(samples, chosen, verdict)
     if not all(k.COMPILED for k in _KERNELS) and len(imu.time_s) > BLOCK_ROWS:
         _log.info(
@@ -120,6 +128,11 @@ def estimate_attitude(
     bias = _taken_off(imu, calibration, estimate.bias_radps)
     progress.update(1.0)
     return Attitude(estimate.quat_ws, bias, chosen.name, reason, heading_from), calibration, tuple(found)
+
+
+def _rolling_radius(told_m: float | None) -> tuple[float, float]:
+    """Return a ball's radius ± 1 sigma in metres; balls that go through pipes are about as large when nobody says."""
+    return (0.06, 0.05) if told_m is None else (told_m, 0.05 * told_m)
 
 
 def _calibrate(imu: ImuSamples, survey: Survey, settings: OrientationSettings, progress: Progress) -> Calibration:
@@ -152,7 +165,7 @@ def _choose(imu: ImuSamples, survey: Survey, verdict: MagnetometerVerdict) -> tu
         return estimator(survey.processing.orientation), "orientation_chosen"
     if _has_no_gyro(imu) and imu.quat_ws is not None:
         return estimator("device"), "orientation_auto_no_gyro"
-    return estimator(DEFAULT_WITH_FIELD if verdict.trusted else DEFAULT), f"orientation_auto_{verdict.reason}"
+    return estimator(DEFAULT), f"orientation_auto_{verdict.reason}"
 
 
 def _sensor_findings(samples: TrustedSamples, chosen: Estimator, verdict: MagnetometerVerdict) -> list[Finding]:

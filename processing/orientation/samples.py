@@ -51,6 +51,7 @@ class TrustedSamples:
     rows: IndexArray | None  # None: every row is trusted
     segments: tuple[tuple[int, int], ...]  # (start, stop) in trusted rows
     period_s: float
+    rolling_radius_m: tuple[float, float] | None = None  # of a ball that rolls, ± 1 sigma
 
     @property
     def count(self) -> int:

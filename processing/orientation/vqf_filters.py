@@ -59,12 +59,12 @@ def offline_vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> 
         tail: tuple[int, FloatArray] | None = (
             None  # first row and attitudes of what the last chunk shares with the next
         )
-        for start, stop, low, high in _chunks(samples, segment):
+        for start, stop, low, high in chunks(samples, segment):
             block = samples.block(low, high, first=low == segment[0])
             result = offlineVQF(*_inputs(block, samples.period_s), samples.period_s)
             found = _quaternions(block, result)
             if not len(block.mag):
-                turn = _yaw_offset(block, found, before, yaw_rad) if tail is None else _seam_offset(low, found, tail)
+                turn = _yaw_offset(block, found, before, yaw_rad) if tail is None else seam_turn(low, found, tail)
                 found = qt.multiply(qt.turn_about_up(turn), found)
             index = samples.index(start, stop)
             quat[index], bias[index] = found[start - low : stop - low], result["bias"][start - low : stop - low]
@@ -122,13 +122,14 @@ def _yaw_offset(block: Block, found: FloatArray, before: Before | None, yaw_rad:
     return float(yaw_towards(found[0], with_yaw(found[0], yaw_rad)))
 
 
-def _seam_offset(low: int, found: FloatArray, tail: tuple[int, FloatArray]) -> float:
+def seam_turn(low: int, found: FloatArray, tail: tuple[int, FloatArray]) -> float:
+    """Return the turn about up by which a chunk from row ``low`` continues ``tail``: a row and attitudes (m, 4)."""
     common, before = tail
     angles = yaw_towards(found[common - low : common - low + len(before)], before)
     return float(np.angle(np.mean(np.exp(1j * angles))))
 
 
-def _chunks(samples: TrustedSamples, segment: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
+def chunks(samples: TrustedSamples, segment: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
     """Yield each chunk's own rows ``start``..``stop`` and the rows ``low``..``high`` that it is computed from."""
     overlap = min(int(_OVERLAP_S / samples.period_s), CHUNK_ROWS // 4)
     count = max(1, -(-(segment[1] - segment[0]) // CHUNK_ROWS))

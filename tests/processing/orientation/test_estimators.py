@@ -12,7 +12,7 @@ from processing.progress import silent
 from processing.settings import OrientationSettings
 from processing.survey import DeviceInfo, Launch, Motion, ProcessingChoice, Survey
 
-FUSING = ("offline_vqf", "smoothed_vqf", "vqf", "eskf", "ukf", "ekf7", "ekf_gd", "madgwick", "mahony")
+FUSING = ("offline_vqf", "batch", "vqf", "eskf", "ukf", "ekf7", "ekf_gd", "madgwick", "mahony")
 ALL = tuple(e.name for e in ESTIMATORS if e.name != "device")
 SIX_AXES = OrientationSettings(magnetometer="ignore")
 NINE_AXES = OrientationSettings(magnetometer="use")

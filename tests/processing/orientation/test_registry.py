@@ -40,9 +40,9 @@ def test_every_row_has_a_title_in_both_languages():
 @pytest.mark.parametrize(
     ("change", "survey", "method", "reason", "heading_from"),
     [
-        ({}, CARRIED, "smoothed_vqf", "orientation_auto_field_steady", "magnetometer"),
-        ({"mag_s_ut": None}, CARRIED, "offline_vqf", "orientation_auto_no_magnetometer", "launch"),
-        ({}, replace(CARRIED, pipe=PipeInfo("steel")), "offline_vqf", "orientation_auto_pipe_ferrous", "launch"),
+        ({}, CARRIED, "batch", "orientation_auto_field_steady", "magnetometer"),
+        ({"mag_s_ut": None}, CARRIED, "batch", "orientation_auto_no_magnetometer", "launch"),
+        ({}, replace(CARRIED, pipe=PipeInfo("steel")), "batch", "orientation_auto_pipe_ferrous", "launch"),
         ({}, chosen("mahony"), "mahony", "orientation_chosen", "magnetometer"),
         ({}, chosen("gyro"), "gyro", "orientation_chosen", "launch"),
         ({}, chosen("device"), "device", "orientation_chosen", "device"),
