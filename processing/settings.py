@@ -161,7 +161,11 @@ class PositionSettings:
     foot_still_mps: float = tunable(0.02, "m/s", 0.0005, 0.5, "how still a stance is; 0.01 to 0.05 do alike")
     foot_acc_noise: float = tunable(0.01, "m/s/√s", 0.0001, 5.0, "of smooth motion; least error on the VICON trials")
     foot_jolt_share: float = tunable(
-        0.14, "1", 0.0, 10.0, "of the change between two samples, what integration misses: impacts are where strides err"
+        0.14,
+        "1",
+        0.0,
+        10.0,
+        "of the change between two samples, what integration misses: impacts are where strides err",
     )
     foot_gyr_noise_dps: float = tunable(0.07, "°/√s", 0.0001, 5.0, "twice PyShoe's 0.5 °/s at 200 Hz; least error")
     foot_acc_offset_sigma: float = tunable(0.05, "m/s²", 0.0, 1.0, "consumer MEMS; 0.005 to 0.2 do alike")
@@ -186,7 +190,7 @@ class PositionSettings:
     heading_walk: float = tunable(0.05, "°/√s", 0.0, 5.0, "gyro noise and scale along the spin axis")
     magnetic_sigma_deg: float = tunable(8.0, "°", 0.5, 90.0, "magnetic heading near pipes (navigation §6.2)")
     # the fit
-    keyframes: float = tunable(1000.0, "", 50.0, 20000.0, "moments at which a dragged tie point moves the path at once")
+    keyframes: float = tunable(400.0, "", 50.0, 20000.0, "so many unknown places are fitted; between them all is summed")
     length_sigma_pct: float = tunable(0.2, "%", 0.001, 10.0, "how well a pipe's length is known, on top of 0.1 m")
     tie_time_sigma_s: float = tunable(0.3, "s", 0.0, 60.0, "reaction time of whoever notes a tie point")
     tie_clock_sigma_s: float = tunable(0.1, "s", 0.0, 60.0, "what all tie points' clock may be off, together")

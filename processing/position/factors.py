@@ -100,26 +100,30 @@ class Read:
 
 
 def readings_of(items: Sequence[Item], size: int) -> Read:
-    """Return the items as scalar readings of variance 1: each is turned and scaled by the root of its covariance."""
-    nodes, rows, values, parts = [], [], [], []
-    at = 0
-    for item in items:
-        white = _whitening(item.covariance_m2)
-        nodes += [item.node] * len(item.value)
-        rows.append(white @ item.rows)
-        values.append(white @ item.value)
-        parts.append((at, at + len(item.value)))
-        at += len(item.value)
+    """Return the items as scalar readings: several values of one item are turned and scaled to be independent."""
     if not items:
         return Read(Readings(np.zeros(0, np.intp), np.zeros((0, size)), np.zeros(0), np.zeros(0)), ())
-    value = np.concatenate(values)
-    return Read(Readings(np.array(nodes, np.intp), np.vstack(rows), value, np.ones(len(value))), tuple(parts))
-
-
-def _whitening(covariance: FloatArray) -> FloatArray:
-    if len(covariance) == 1:
-        return np.asarray(1.0 / np.sqrt(covariance))
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+    nodes, rows, values, variances, parts = [], [], [], [], []
+    at = 0
+    for item in items:
+        count = len(item.value)
+        parts.append((at, at + count))
+        at += count
+        if count == 1:
+            nodes.append(item.node)
+            rows.append(item.rows)
+            values.append(item.value)
+            variances.append(item.covariance_m2[0, 0])
+            continue
+        white = np.linalg.inv(np.linalg.cholesky(item.covariance_m2))
+        nodes += [item.node] * count
+        rows.append(white @ item.rows)
+        values.append(white @ item.value)
+        variances += [1.0] * count
+    readings = Readings(
+        np.array(nodes, np.intp), np.concatenate(rows), np.concatenate(values), np.array(variances, dtype=np.float64)
+    )
+    return Read(readings, tuple(parts))
 
 
 def _of_tie(frames: Keyframes, tie: Observation, size: int) -> Item:
@@ -185,9 +189,7 @@ def _times(span: ChainageIncrement | Revisit) -> tuple[float, float]:
     return (span.start_s, span.end_s) if isinstance(span, ChainageIncrement) else (span.first_s, span.second_s)
 
 
-def _of_increment(
-    span: ChainageIncrement, node: int, copy: int, scale: int | None, size: int, rolled_m: float
-) -> Item:
+def _of_increment(span: ChainageIncrement, node: int, copy: int, scale: int | None, size: int, rolled_m: float) -> Item:
     """The source's own scale acts on what was rolled, not on what was told: were it otherwise, both scales would shrink
     together, because with them shrinks the slip between (regression dilution)."""
     row = np.zeros((1, size))

@@ -39,6 +39,7 @@ from processing.survey import Finding, FloatArray, Params, Severity, Survey, Tie
 
 _RESCALE_SIGMA = 0.3
 _SETTING_OUT_M = 70.0
+_DRAWN = 3000
 _SPEED_WINDOW_S = 2.0  # on both sides of a tie point
 
 
@@ -51,6 +52,7 @@ class FitProblem:
     frame: LocalFrame
     route: RouteLine | None
     rows: Rows  # (k,)
+    drawn: Rows  # (j,) rows that suffice to draw the path
     moments_m: FloatArray  # (m, 2) as of keyframes.moments_of
     first_rad: float | None  # in which direction the free path sets out
     findings: tuple[Finding, ...] = ()
@@ -67,10 +69,10 @@ def prepare(odometry: Odometry, survey: Survey, evidence: Evidence, settings: Po
     odometry = with_slips(odometry, evidence.slips)
     events = nearest_rows(odometry.time_s, event_times(evidence))
     rows = np.unique(np.concatenate([even_rows(odometry, round(settings.keyframes)), events]))
+    drawn = even_rows(odometry, _DRAWN)
     first = initial_direction(odometry)
-    return FitProblem(
-        odometry, evidence, frame, route, rows, moments_of(odometry), first, (*evidence.findings, *findings)
-    )
+    found = (*evidence.findings, *findings)
+    return FitProblem(odometry, evidence, frame, route, rows, drawn, moments_of(odometry), first, found)
 
 
 def fit(problem: FitProblem, survey: Survey, settings: PositionSettings, progress: Progress) -> Fitted:
@@ -89,9 +91,12 @@ def fit(problem: FitProblem, survey: Survey, settings: PositionSettings, progres
 
 
 def refit(problem: FitProblem, survey: Survey, settings: PositionSettings) -> FitPreview:
-    """Return the same path as :func:`fit` at the keyframes only; errors as there."""
+    """Return the same path as :func:`fit` at as many moments as are drawn; errors as there."""
     fitted = _fitted(problem, survey, settings, silent())
-    return preview_of(fitted.frames, fitted.settled, fitted.heights, problem.route, fitted.checks)
+    rows = np.unique(np.concatenate([problem.drawn, fitted.frames.rows]))
+    odometry = fitted.placing.applied(thinned(problem.odometry, rows))
+    frames = replace(fitted.frames, rows=np.searchsorted(rows, fitted.frames.rows))
+    return preview_of(odometry, frames, fitted.settled, fitted.heights, problem.route, fitted.checks)
 
 
 @dataclass(frozen=True)

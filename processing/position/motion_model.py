@@ -64,15 +64,19 @@ class LevelModel:
     chain: Chain  # without noise
     slip_noise: FloatArray  # (k − 1, d, d)
     heading_noise: FloatArray
-    lost_noise: FloatArray
+    lost_noise: FloatArray | None
     slip_prior: FloatArray  # (d, d)
     heading_prior: FloatArray
 
     def at(self, levels: Levels) -> Chain:
         """Return the chain with the noise of ``levels``."""
+        noise = levels.slip * self.slip_noise
+        noise += levels.heading * self.heading_noise
+        if self.lost_noise is not None:
+            noise += self.lost_noise
         return replace(
             self.chain,
-            noise=levels.slip * self.slip_noise + levels.heading * self.heading_noise + self.lost_noise,
+            noise=noise,
             prior_cov=self.chain.prior_cov + levels.slip * self.slip_prior + levels.heading * self.heading_prior,
         )
 
@@ -183,37 +187,44 @@ def _slip_noise(frames: Keyframes, steps: _Steps, size: int) -> FloatArray:
     mixed = (variance * way * lost**2 / a)[:, None] * ways
     out[:, SLIP, :] += mixed
     out[:, :, SLIP] += mixed
-    out += (variance * way**2 * square + np.diff(odometry.along_var_m2))[:, None, None] * _squares(ways)
-    side = np.zeros((len(way), size))
-    side[:, EAST : NORTH + 1] = across
-    out += np.diff(odometry.cross_var_m2)[:, None, None] * _squares(side)
+    _add(out, WAY, variance * way**2 * square + np.diff(odometry.along_var_m2), ways[:, WAY : NORTH + 1])
+    _add(out, EAST, np.diff(odometry.cross_var_m2), across)
     return out
 
 
 def _heading_noise(frames: Keyframes, steps: _Steps, prior: Prior, size: int) -> FloatArray:
-    way = np.zeros((len(frames.way_m), size))
-    way[:, TURN] = 1.0
-    way[:, EAST : NORTH + 1] = steps.by_last
-    out = np.diff(frames.odometry.heading_var_rad2)[:, None, None] * _squares(way)
+    out = np.zeros((len(frames.way_m), size, size))
+    _add(out, EAST, np.diff(frames.odometry.heading_var_rad2), _heading_way(steps))
     out[:, DRIFT, DRIFT] += prior.drift_radps**2 * -np.expm1(-2.0 * frames.step_s / prior.drift_tau_s)
     return np.asarray(out)
 
 
-def _lost_noise(frames: Keyframes, steps: _Steps, size: int) -> FloatArray:
-    """What gaps and slips may have taken: way and heading."""
+def _lost_noise(frames: Keyframes, steps: _Steps, size: int) -> FloatArray | None:
+    """What gaps and slips may have taken, way and heading; None without any."""
+    way, turn = frames.odometry.lost_var_m2, frames.odometry.lost_heading_rad2
+    if (way is None or way[-1] <= way[0]) and (turn is None or turn[-1] <= turn[0]):
+        return None
     out = np.zeros((len(frames.way_m), size, size))
-    along, _ = _unit_steps(frames, steps)
-    if frames.odometry.lost_var_m2 is not None:
-        way = np.zeros((len(frames.way_m), size))
-        way[:, WAY] = 1.0
-        way[:, EAST : NORTH + 1] = along
-        out += np.diff(frames.odometry.lost_var_m2)[:, None, None] * _squares(way)
-    if frames.odometry.lost_heading_rad2 is not None:
-        turn = np.zeros((len(frames.way_m), size))
-        turn[:, TURN] = 1.0
-        turn[:, EAST : NORTH + 1] = steps.by_last
-        out += np.diff(frames.odometry.lost_heading_rad2)[:, None, None] * _squares(turn)
+    if way is not None:
+        along, _ = _unit_steps(frames, steps)
+        ways = np.zeros((len(along), NORTH + 1 - WAY))
+        ways[:, 0] = 1.0
+        ways[:, EAST - WAY :] = along
+        _add(out, WAY, np.diff(way), ways)
+    if turn is not None:
+        _add(out, EAST, np.diff(turn), _heading_way(steps))
     return out
+
+
+def _heading_way(steps: _Steps) -> FloatArray:
+    """What a turn at a step's end moves: east, north and the heading itself (k − 1, 3)."""
+    return np.column_stack([steps.by_last, np.ones(len(steps.by_last))])
+
+
+def _add(noise: FloatArray, first: int, variance: FloatArray, way: FloatArray) -> None:
+    """Add the noise of one quantity that moves unknowns ``first`` … by ``way`` (k − 1, j)."""
+    last = first + way.shape[1]
+    noise[:, first:last, first:last] += (variance[:, None] * way)[:, :, None] * way[:, None, :]
 
 
 def _unit_steps(frames: Keyframes, steps: _Steps) -> tuple[FloatArray, FloatArray]:
@@ -241,7 +252,3 @@ def _turned(v: FloatArray, angle: FloatArray) -> FloatArray:
 def _quarter(v: FloatArray) -> FloatArray:
     """Turn vectors (k, 2) by a quarter to the left."""
     return np.column_stack([-v[:, 1], v[:, 0]])
-
-
-def _squares(v: FloatArray) -> FloatArray:
-    return np.asarray(v[:, :, None] * v[:, None, :])

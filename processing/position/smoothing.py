@@ -48,7 +48,7 @@ class Settled:
     cov: FloatArray  # (k, d, d) of the mixture
     along_sigma_m: FloatArray  # (k,) ±1.96 hold 95 %
     cross_sigma_m: FloatArray
-    ahead: FloatArray  # (k, 2) unit direction of travel
+    wandered_m2: FloatArray  # (k − 1,) variance of the chainage that builds up from keyframe to keyframe
     items: tuple[Item, ...]
     held: tuple[Item, ...]
     amid: Smoothed  # at the level of noise amid all
@@ -85,7 +85,8 @@ def settle(
     if not smoother.bends(held):
         nominal = next_nominal(frames, nominal, shorter, model, amid.mean)
     tick(1.0)
-    return _mixed(nominal, weighed, parts, factors.items, held, amid, read, levels, turns)
+    wandered = model.at(levels).noise[:, WAY, WAY]
+    return _mixed(nominal, weighed, parts, wandered, factors.items, held, amid, read, levels, turns)
 
 
 @dataclass(frozen=True)
@@ -196,6 +197,7 @@ def _mixed(
     nominal: Nominal,
     weighed: tuple[Weighed, ...],
     parts: list[Smoothed],
+    wandered: FloatArray,
     items: tuple[Item, ...],
     held: tuple[Item, ...],
     amid: Smoothed,
@@ -217,7 +219,7 @@ def _mixed(
         np.einsum("jki,ki->jk", off[:, :, place], side),
         _floor(np.stack([np.einsum("ki,kij,kj->k", side, part.cov[:, place, place], side) for part in parts])),
     )
-    return Settled(nominal, mean, np.asarray(cov), along, cross, ahead, items, held, amid, read, levels, turns)
+    return Settled(nominal, mean, np.asarray(cov), along, cross, wandered, items, held, amid, read, levels, turns)
 
 
 def _ahead(place_m: FloatArray) -> FloatArray:

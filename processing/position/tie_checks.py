@@ -56,16 +56,26 @@ def hold_down(items: tuple[Item, ...], solve: Solve, settings: PositionSettings)
     rounds = 2 * int(np.count_nonzero(single)) + 4
     for _ in range(rounds):
         smoothed, read = solve(tuple(held))
-        misses = [left_out(smoothed, held[k : k + 1], read.parts[k : k + 1]) for k in range(len(held))]
-        excess = np.array([m.squared / limits[len(m.vector_m)] for m in misses])
+        excess = _excess(smoothed, held, read, limits)
         if excess.max() <= 1.0 + 1e-6:
             break
         worst = 0.9 * float(excess[single].max()) if np.any(single) else np.inf
         for k in np.flatnonzero(excess > 1.0):
             if not single[k] or excess[k] >= worst:
-                grown = held[k].covariance_m2 + misses[k].covariance_m2 * (excess[k] - 1.0)
+                miss = left_out(smoothed, held[k : k + 1], read.parts[k : k + 1])
+                grown = held[k].covariance_m2 + miss.covariance_m2 * (excess[k] - 1.0)
                 held[k] = replace(held[k], covariance_m2=grown)
     return tuple(held)
+
+
+def _excess(smoothed: Smoothed, held: Sequence[Item], read: Read, limits: dict[int, float]) -> FloatArray:
+    """By how many times what is allowed each item is missed (squared) when it is left out."""
+    first = np.array([start for start, _ in read.parts])
+    out = smoothed.pull[first] ** 2 / smoothed.weight[first] / limits[1]
+    for k, (start, stop) in enumerate(read.parts):
+        if stop - start > 1:
+            out[k] = left_out(smoothed, held[k : k + 1], read.parts[k : k + 1]).squared / limits[stop - start]
+    return np.asarray(out)
 
 
 def _limit(size: int, settings: PositionSettings) -> float:
@@ -81,16 +91,17 @@ def left_out(smoothed: Smoothed, items: Sequence[Item], parts: Sequence[tuple[in
     """  # fmt: skip
     start, stop = parts[0][0], parts[-1][1]
     if stop - start == 1:
-        variance = float(items[0].covariance_m2[0, 0])
         miss = smoothed.pull[start] / smoothed.weight[start]
-        vector = np.array([miss * np.sqrt(variance)])
-        return Miss(vector, np.array([[variance / smoothed.weight[start]]]), float(smoothed.pull[start] * miss))
+        variance = np.array([[1.0 / smoothed.weight[start]]])
+        return Miss(np.array([miss]), variance, float(smoothed.pull[start] * miss))
     inverse = np.linalg.inv(smoothed.inverse(start, stop))
     root = np.zeros((stop - start, stop - start))
     at = 0
     for item in items:
         size = len(item.value)
-        root[at : at + size, at : at + size] = np.linalg.cholesky(item.covariance_m2)
+        # a single value is read as it is, several are whitened
+        own = np.linalg.cholesky(item.covariance_m2) if size > 1 else np.eye(1)
+        root[at : at + size, at : at + size] = own
         at += size
     pull = smoothed.pull[start:stop]
     return Miss(root @ inverse @ pull, root @ inverse @ root.T, float(pull @ inverse @ pull))

@@ -30,8 +30,7 @@ def track_of(
     level = _level(odometry, frames, settled, heights, between, turn)
     up = odometry.position_w_m[:, 2] + between.of(heights.up_m - frames.odometry.position_w_m[:, 2])
     place = np.column_stack([level, up])
-    wandered = np.diff(frames.odometry.along_var_m2) * settled.levels.slip
-    along = np.sqrt(between.variance(settled.along_sigma_m**2, wandered))
+    along = np.sqrt(between.variance(settled.along_sigma_m**2, settled.wandered_m2))
     cross = np.sqrt(between.variance(settled.cross_sigma_m**2, np.diff(frames.odometry.cross_var_m2)))
     sigma_up = np.sqrt(between.variance(heights.variance_m2, np.diff(frames.odometry.up_var_m2)))
     cov = np.column_stack([between.of(column) for column in _level_cov(settled, route).T])
@@ -59,22 +58,25 @@ def track_of(
 
 
 def preview_of(
+    odometry: Odometry,
     frames: Keyframes,
     settled: Settled,
     heights: Heights,
     route: RouteLine | None,
     checks: tuple[TieCheck, ...],
 ) -> FitPreview:
-    """Return the same at the keyframes only."""
-    chainage = np.maximum.accumulate(np.maximum(settled.mean[:, WAY], 0.0))
-    place = np.column_stack([settled.nominal.place_m, heights.up_m])
-    along, cross = settled.along_sigma_m, settled.cross_sigma_m
-    cov = _level_cov(settled, route)
-    if route is not None:
-        place = route.at(chainage)
-        cross = np.full_like(cross, route.sigma_m)
-        cov = _on_route(route, chainage, along, cross)
-    return FitPreview(frames.odometry.time_s, chainage, place, along, cross, cov, checks)
+    """Return the same as far as it is drawn."""
+    track = track_of(odometry, frames, settled, heights, route)
+    assert track.cov_level_m2 is not None
+    return FitPreview(
+        track.time_s,
+        track.chainage_m,
+        track.position_w_m,
+        track.sigma_along_m,
+        track.sigma_cross_m,
+        track.cov_level_m2,
+        checks,
+    )
 
 
 def series_of(frames: Keyframes, settled: Settled, factor: float) -> FitSeries:
