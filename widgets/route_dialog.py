@@ -47,6 +47,7 @@ class RouteDialog(QDialog):
         self._language = language
         self._answer = RouteAnswer()
         self._proposal: RouteProposal | None = None
+        self._chosen: frozenset[int] = frozenset()
         self._pipe_m: float | None = None
         self.map = RouteMap(theme)
         self.map.section_clicked.connect(self._on_section)
@@ -209,6 +210,7 @@ class RouteDialog(QDialog):
         if replace(proposal.answer, connect=False) != replace(self._answer, connect=False):
             return
         before, self._proposal = self._proposal, proposal
+        self._chosen = proposal.chosen
         kept = before is not None and len(before.planes) == len(proposal.planes) and self._same_place(before, proposal)
         if proposal.answer.connect:
             self._answer = replace(self._answer, pieces=pieces_of(proposal, proposal.chosen), connect=False)
@@ -269,8 +271,10 @@ class RouteDialog(QDialog):
     def _on_section(self, section: int) -> None:
         if self._proposal is None:
             return
-        chosen = self._proposal.chosen ^ {section}
-        self._change(pieces=pieces_of(self._proposal, chosen), reverse=None)
+        self._chosen ^= {section}  # of what was tapped last, which may not be answered yet
+        self.map.set_route(self._chosen, self._proposal.way[:0], self._proposal.launch)
+        self.table.sections.set_sections(self._proposal.sections, self._proposal.lengths_m, self._chosen)
+        self._change(pieces=pieces_of(self._proposal, self._chosen), reverse=None)
 
     def _on_gap(self) -> None:
         self._change(tolerance_m=self._gap.value or 0.0)

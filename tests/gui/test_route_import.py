@@ -141,6 +141,16 @@ def test_a_branch_too_much_says_why_and_offers_no_route(application, opened, tmp
     assert opened.survey.route is None
 
 
+def test_two_taps_in_a_hurry_both_count(application, opened, tmp_path, qtbot):
+    dialog = imported(qtbot, application.window, network(tmp_path))
+    names = [section.name for section in dialog._proposal.sections]
+    dialog.map.section_clicked.emit(names.index("service"))
+    dialog.map.section_clicked.emit(names.index("b"))
+    settle(qtbot, application.window)
+    assert {names[k] for k in dialog._proposal.chosen} == {"service"}
+    dialog.reject()
+
+
 def test_a_drawing_asks_for_its_system_and_names_the_one_that_fits_the_launch(application, opened, tmp_path, qtbot):
     dialog = imported(qtbot, application.window, network(tmp_path, "net.dxf", "DXF", None))
     assert not dialog.findChild(QPushButton, "route_take").isEnabled()
