@@ -22,7 +22,7 @@ REACH_M = 5.0
 SOURCE = "bend"
 _LEAST_BEND_RAD = np.radians(10.0)
 _NOISE_RAD = np.radians(3.0)  # of a turn beside the map's: weaving of the ball, corners drawn square
-_SLIP_WALK = 0.13  # m/√m: covers 95 % over the wheels of navigation §4.4, so that no map is missed
+SLIP_WALK = 0.13  # m/√m: covers 95 % over the wheels of navigation §4.4, so that no map is missed
 _LEAST_GAIN = 10.0  # nats over no map; random turns beside a map gain less in 999 of 1000 cases
 _LEAST_LEAD = 6.0  # over the mirrored map
 _LEAST_SHARE = 0.99  # of the posterior in one place
@@ -73,8 +73,8 @@ def find_bends(
         return BendMatch((), 0, ())
     seen = _apexes(turns.value, REACH_M / 2.0 / STEP_M)
     profile = Profile(turns.odometer_m, turns.value, mapped, float(table[0]), turns.sigma_rad, 2.0 * REACH_M)
-    walk = max(settings.slip_walk, _SLIP_WALK)
-    prior = Prior(sigma, float(np.hypot(1.0, route.sigma_m)), walk, _jumps(way, turns.odometer_m))
+    walk = max(settings.slip_walk, SLIP_WALK)
+    prior = Prior(sigma, start_sigma_m(route), walk, _jumps(way, turns.odometer_m))
     found = match((profile,), turns.odometer_m[seen], prior, progress)
     if not len(seen) or found.gain < _LEAST_GAIN or found.gain - max(found.mirrored_gain, 0.0) < _LEAST_LEAD:
         return BendMatch((), len(bends), (_refused(found, len(seen), len(bends)),))
@@ -84,6 +84,11 @@ def find_bends(
         return BendMatch((), len(bends), (_refused(found, len(seen), len(bends)),))
     count = {"count": float(len(fixes)), "mapped": float(len(bends))}
     return BendMatch(fixes, len(bends), (Finding("bends_recognised", Severity.INFO, count),))
+
+
+def start_sigma_m(route: RouteLine) -> float:
+    """Return how far the launch may lie from where the map has it: the map's sigma, and a metre of handling."""
+    return float(np.hypot(1.0, route.sigma_m))
 
 
 def turning(before_m: FloatArray, here_m: FloatArray, after_m: FloatArray) -> FloatArray:

@@ -9,8 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from processing.coordinates import frame_of
-from processing.position.bends import find_bends
-from processing.position.evidence import ChainageIncrement, Evidence, HeightSeries, SlipSpan
+from processing.position.bend_checks import Doubt, Known, denied_by, start_off
+from processing.position.bends import SLIP_WALK, find_bends, start_sigma_m
+from processing.position.evidence import ChainageFix, ChainageIncrement, Evidence, HeightSeries, SlipSpan
 from processing.position.joints import find_joints
 from processing.position.odometry import Odometry, cumulated, in_spans, rescaled, started_at
 from processing.position.pressure import find_heights
@@ -23,7 +24,6 @@ from processing.survey import Attitude, Finding, FloatArray, ImuSamples, Motion,
 
 _UNKNOWN_SCALE = 0.3  # an odometer without a radius: only the known ends tell its scale
 _TOLD_BY_ENDS = 0.03
-_ROUNDING = 1e-6
 
 
 def gather(
@@ -36,7 +36,7 @@ def gather(
 ) -> Evidence:
     """Return what the recording says without a map: joints, heights, slips, with their findings.
 
-    Of the survey only motion, radius and the pipe's joint spacing have a part in it.
+    Of the survey only motion, radius, and the pipe's joint spacing and diameter have a part in it.
     """
     if float(odometry.chainage_m[-1]) <= 0.0:
         return Evidence()
@@ -56,7 +56,8 @@ def gather(
         findings += joints.findings
     heights: tuple[HeightSeries, ...] = ()
     if survey.device.motion is not Motion.FOOT and settings.pressure == "auto":
-        found = find_heights(imu, odometry, progress.part(0.9, 1.0, "position_pressure"))
+        diameter = survey.pipe.diameter_m
+        found = find_heights(imu, odometry, progress.part(0.9, 1.0, "position_pressure"), diameter)
         heights = found.heights
         findings += found.findings
     return Evidence(increments=increments, heights=heights, slips=slips, findings=tuple(findings))
@@ -80,14 +81,43 @@ def gather_on_route(
     if launch is not None:
         odometry = started_at(odometry, launch.time_s, launch.sigma_m)
     scaled, sigma = _scaled(odometry, survey, route)
-    found = find_bends(scaled, route, settings, progress, sigma, _lost(scaled, known.slips, settings))
+    lost_m2 = _lost(scaled, known.slips)
+    found = find_bends(scaled, route, settings, progress, sigma, lost_m2)
+    against = _against(found.fixes, scaled, survey, lost_m2, Doubt(sigma, start_sigma_m(route), SLIP_WALK))
+    if against is not None:
+        return replace(known, findings=(*known.findings, against))
     return replace(known, fixes=(*known.fixes, *found.fixes), findings=(*known.findings, *found.findings))
 
 
-def _lost(odometry: Odometry, slips: tuple[SlipSpan, ...], settings: PositionSettings) -> FloatArray:
+def _against(
+    fixes: tuple[ChainageFix, ...], odometry: Odometry, survey: Survey, lost_m2: FloatArray, doubt: Doubt
+) -> Finding | None:
+    """What speaks against the map that the bends were recognised on: the launch, or most of the tie points."""
+    if not fixes:
+        return None
+    bends = _known([(f.time_s, f.chainage_m, f.sigma_m) for f in fixes], odometry, lost_m2)
+    off, wrong = start_off(bends, doubt)
+    if wrong:
+        return Finding("bends_shifted", Severity.WARNING, {"metres": off})
+    ties = [(t.time_s, t.chainage_m, max(t.sigma_m, 0.1)) for t in survey.tie_points if t.enabled and t.chainage_m]
+    if not ties:
+        return None
+    denied = denied_by(bends, _known(ties, odometry, lost_m2), doubt)
+    if sum(denied) <= 0.5 * len(denied):
+        return None
+    return Finding("bends_against_ties", Severity.WARNING, {"count": float(sum(denied)), "ties": float(len(ties))})
+
+
+def _known(told: list[tuple[float, float, float]], odometry: Odometry, lost_m2: FloatArray) -> Known:
+    time_s, place, sigma = (np.array(column) for column in zip(*told, strict=True))
+    at = np.interp(time_s, odometry.time_s, odometry.chainage_m)
+    return Known(at, place, sigma, np.interp(time_s, odometry.time_s, lost_m2))
+
+
+def _lost(odometry: Odometry, slips: tuple[SlipSpan, ...]) -> FloatArray:
     """Cumulated variance (m,) of what gaps and slides lost, beyond the usual slip."""
-    steps = np.diff(odometry.along_var_m2) - settings.slip_walk**2 * np.diff(odometry.chainage_m)
-    steps = np.where(steps > _ROUNDING, steps, 0.0)
+    lost = odometry.lost_var_m2
+    steps = np.diff(lost) if lost is not None else np.zeros(len(odometry.time_s) - 1)
     for slip in slips:
         inside = in_spans(odometry.time_s, np.array([[slip.start_s, slip.end_s]]))
         told = float(np.diff(np.interp([slip.start_s, slip.end_s], odometry.time_s, odometry.chainage_m))[0])

@@ -8,7 +8,7 @@ evidence against a device that knows nothing of the map.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,7 @@ _MOST_SIGMAS = 6.0  # a worse misfit costs no more
 _PRUNED = 1e-9
 _PRUNE_EVERY = 50
 _MOST_CELLS = 120_000
+_BEYOND_DOUBT = 60.0  # nats
 _FARTHEST_JUMP_M = 60.0
 
 
@@ -101,10 +102,13 @@ def match(profiles: tuple[Profile, ...], wanted: FloatArray, prior: Prior, progr
     rows = np.clip(np.searchsorted(profiles[0].odometer_m, wanted), 0, len(profiles[0].odometer_m) - 1)
     plain = sum(p.misfit_without_map() for p in profiles)
     forward = _forward(profiles, cells, rows, progress.part(0.0, 0.4))
-    mirror = tuple(Profile(p.odometer_m, p.measured, -p.mapped, p.map_start_m, p.sigma, p.reach_m) for p in profiles)
-    mirrored = _forward(mirror, cells, rows[:0], progress.part(0.4, 0.7))
+    gain = forward.log_evidence + plain
+    mirrored_gain = -np.inf
+    if gain < _BEYOND_DOUBT:  # turns that fit so well cannot fit their mirror images too
+        mirror = tuple(replace(p, mapped=-p.mapped) for p in profiles)
+        mirrored_gain = _forward(mirror, cells, rows[:0], progress.part(0.4, 0.7)).log_evidence + plain
     placed, scale = _backward(profiles, cells, rows, forward, progress.part(0.7, 1.0))
-    return Match(placed, forward.log_evidence + plain, mirrored.log_evidence + plain, scale)
+    return Match(placed, gain, mirrored_gain, scale)
 
 
 @dataclass(frozen=True)

@@ -112,6 +112,29 @@ def test_a_ball_of_unknown_radius_finds_the_bends_through_the_known_end():
         assert abs(fix.chainage_m - truly(fix.time_s)) < 3.0 * np.hypot(fix.sigma_m, fix.shared_sigma_m)
 
 
+def changed(change):
+    made, _, reckoned = rolled()
+    points = tuple(tuple(change(np.array(p))) for p in made.survey.route.points)
+    survey = dataclasses.replace(made.survey, route=dataclasses.replace(made.survey.route, points=points))
+    return gather_on_route(reckoned, survey, SETTINGS, silent(), Evidence(slips=everything().slips))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [lambda p: p - [12.0, 0.0, 0.0], lambda p: p * 1.06, lambda p: p * [1.0, -1.0, 1.0]],
+    ids=["shifted", "stretched", "mirrored"],
+)
+def test_a_wrong_map_gives_no_fixes_and_a_warning(change):
+    found = changed(change)
+    assert found.fixes == ()
+    assert len(found.findings) == 1
+    assert found.findings[0].code in {"bends_shifted", "bends_against_ties", "bends_mirrored", "bends_not_recognised"}
+
+
+def test_the_right_map_passes():
+    assert len(changed(lambda p: p).fixes) == 2
+
+
 def test_without_a_route_nothing_is_added():
     made, _, reckoned = rolled()
     known = Evidence(fixes=())
