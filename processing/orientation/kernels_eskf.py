@@ -50,62 +50,64 @@ def _unit(s: cython.double[::1]) -> cython.void:
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def _half_turn(rx: cython.double, ry: cython.double, rz: cython.double, out: cython.double[::1]) -> cython.void:
-    """Put the quaternion ``exp(r)`` into ``out`` (4,)."""
+def _half_turn(rx: cython.double, ry: cython.double, rz: cython.double, t: cython.double[::1]) -> cython.void:
+    """Put the quaternion ``exp(r)`` into scratch where the gain stands later."""
     square: cython.double = rx * rx + ry * ry + rz * rz
     f: cython.double
     if square < 0.06:  # the series to rounding: a sample's turn is small, and sine and cosine would cost most of all
         u: cython.double = square * (1.0 / 24.0)
-        out[0] = 1.0 - 3.0 * u * (1.0 - 0.5 * u * (1.0 - 0.2 * u * (1.0 - u * (3.0 / 28.0))))
+        t[_K] = 1.0 - 3.0 * u * (1.0 - 0.5 * u * (1.0 - 0.2 * u * (1.0 - u * (3.0 / 28.0))))
         f = 0.5 - 0.5 * u * (1.0 - 0.3 * u * (1.0 - u * (1.0 / 7.0) * (1.0 - u * (1.0 / 12.0))))
     else:
         angle: cython.double = sqrt(square)
-        out[0] = cos(0.5 * angle)
+        t[_K] = cos(0.5 * angle)
         f = sin(0.5 * angle) / angle
-    out[1] = f * rx
-    out[2] = f * ry
-    out[3] = f * rz
+    t[_K + 1] = f * rx
+    t[_K + 2] = f * ry
+    t[_K + 3] = f * rz
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def _multiply(p: cython.double[::1], q: cython.double[::1], out: cython.double[::1]) -> cython.void:
-    """``out ← p ⊗ q``; ``out`` may be either."""
-    w: cython.double = p[0]
-    x: cython.double = p[1]
-    y: cython.double = p[2]
-    z: cython.double = p[3]
-    a: cython.double = q[0]
-    b: cython.double = q[1]
-    c: cython.double = q[2]
-    d: cython.double = q[3]
-    out[0] = w * a - x * b - y * c - z * d
-    out[1] = w * b + x * a + y * d - z * c
-    out[2] = w * c - x * d + y * a + z * b
-    out[3] = w * d + x * c - y * b + z * a
+def _multiply(s: cython.double[::1], t: cython.double[::1], before: cython.bint) -> cython.void:
+    """``q ← e ⊗ q`` (``before``) or ``q ⊗ e`` with the e that :func:`_half_turn` left, of unit length."""
+    w: cython.double = s[0]
+    x: cython.double = s[1]
+    y: cython.double = s[2]
+    z: cython.double = s[3]
+    a: cython.double = t[_K]
+    b: cython.double = t[_K + 1]
+    c: cython.double = t[_K + 2]
+    d: cython.double = t[_K + 3]
+    sign: cython.double = -1.0 if before else 1.0
+    s[0] = w * a - x * b - y * c - z * d
+    s[1] = w * b + x * a + sign * (y * d - z * c)
+    s[2] = w * c + y * a + sign * (z * b - x * d)
+    s[3] = w * d + z * a + sign * (x * c - y * b)
+    _unit(s)
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def _matrix(q: cython.double[::1], out: cython.double[::1]) -> cython.void:
-    """Put ``R(q)`` (3 × 3, row by row) into ``out``: it turns the sensor's vectors into the world."""
+def _matrix(q: cython.double[::1], t: cython.double[::1]) -> cython.void:
+    """Put ``R(q)`` (3 × 3, row by row) into scratch: it turns the sensor's vectors into the world."""
     w: cython.double = q[0]
     x: cython.double = q[1]
     y: cython.double = q[2]
     z: cython.double = q[3]
-    out[0] = 1.0 - 2.0 * (y * y + z * z)
-    out[1] = 2.0 * (x * y - w * z)
-    out[2] = 2.0 * (x * z + w * y)
-    out[3] = 2.0 * (x * y + w * z)
-    out[4] = 1.0 - 2.0 * (x * x + z * z)
-    out[5] = 2.0 * (y * z - w * x)
-    out[6] = 2.0 * (x * z - w * y)
-    out[7] = 2.0 * (y * z + w * x)
-    out[8] = 1.0 - 2.0 * (x * x + y * y)
+    t[_R] = 1.0 - 2.0 * (y * y + z * z)
+    t[_R + 1] = 2.0 * (x * y - w * z)
+    t[_R + 2] = 2.0 * (x * z + w * y)
+    t[_R + 3] = 2.0 * (x * y + w * z)
+    t[_R + 4] = 1.0 - 2.0 * (x * x + z * z)
+    t[_R + 5] = 2.0 * (y * z - w * x)
+    t[_R + 6] = 2.0 * (x * z - w * y)
+    t[_R + 7] = 2.0 * (y * z + w * x)
+    t[_R + 8] = 1.0 - 2.0 * (x * x + y * y)
 
 
 @cython.ccall
@@ -122,12 +124,11 @@ def propagate(
     its own moment, the new one. Without ``moves`` (the accelerometer is not to be believed) the velocity is left alone.
     """
     i: cython.Py_ssize_t
-    _half_turn(rx - s[_B] * dt_s, ry - s[_B + 1] * dt_s, rz - s[_B + 2] * dt_s, t[_K:])
-    _multiply(s, t[_K:], s)
-    _unit(s)
+    _half_turn(rx - s[_B] * dt_s, ry - s[_B + 1] * dt_s, rz - s[_B + 2] * dt_s, t)
+    _multiply(s, t, False)
     for i in range(9):
         t[_MEAN + i] = 0.5 * t[_R + i]
-    _matrix(s, t[_R:])
+    _matrix(s, t)
     for i in range(9):
         t[_MEAN + i] += 0.5 * t[_R + i]
     for i in range(3):
@@ -252,10 +253,9 @@ def _inject(s: cython.double[::1], t: cython.double[::1]) -> cython.void:
     c: cython.double
     d: cython.double
     x: cython.double
-    _half_turn(t[_X], t[_X + 1], t[_X + 2], t[_K:])
-    _multiply(t[_K:], s, s)
-    _unit(s)
-    _matrix(s, t[_R:])
+    _half_turn(t[_X], t[_X + 1], t[_X + 2], t)
+    _multiply(s, t, True)
+    _matrix(s, t)
     for i in range(3):
         s[_B + i] += t[_X + 3 + i]
         s[_V + i] += t[_X + 6 + i]
@@ -372,7 +372,7 @@ def eskf(
     moves: cython.bint
     still: cython.bint
     with cython.nogil:
-        _matrix(state, scratch[_R:])
+        _matrix(state, scratch)
         for j in range(9):
             scratch[_X + j] = 0.0
         for k in range(n):

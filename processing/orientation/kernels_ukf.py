@@ -35,12 +35,14 @@ _GAIN = cython.declare(cython.int, 294)  # (10)
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def _exp(rx: cython.double, ry: cython.double, rz: cython.double, out: cython.double[::1]) -> cython.void:
-    """Put the quaternion ``exp(r)`` into ``out`` (4,)."""
+def _exp(
+    rx: cython.double, ry: cython.double, rz: cython.double, t: cython.double[::1], at: cython.Py_ssize_t
+) -> cython.void:
+    """Put the quaternion ``exp(r)`` into scratch (slices would cost: they count references)."""
     square: cython.double = rx * rx + ry * ry + rz * rz
     f: cython.double
     if square < 0.06:  # the series to rounding: a sample's turn is small, and sine and cosine would cost most of all
-        out[0] = 1.0 - square * 0.125 * (
+        t[at] = 1.0 - square * 0.125 * (
             1.0 - square * (1.0 / 48.0) * (1.0 - square * (1.0 / 120.0) * (1.0 - square * (1.0 / 224.0)))
         )
         f = 0.5 - square * (1.0 / 48.0) * (
@@ -48,11 +50,11 @@ def _exp(rx: cython.double, ry: cython.double, rz: cython.double, out: cython.do
         )
     else:
         angle: cython.double = sqrt(square)
-        out[0] = cos(0.5 * angle)
+        t[at] = cos(0.5 * angle)
         f = sin(0.5 * angle) / angle
-    out[1] = f * rx
-    out[2] = f * ry
-    out[3] = f * rz
+    t[at + 1] = f * rx
+    t[at + 2] = f * ry
+    t[at + 3] = f * rz
 
 
 @cython.cfunc
@@ -60,33 +62,36 @@ def _exp(rx: cython.double, ry: cython.double, rz: cython.double, out: cython.do
 @cython.nogil
 @cython.exceptval(check=False)
 def _multiply(
-    p: cython.double[::1], q: cython.double[::1], sign: cython.double, out: cython.double[::1]
-) -> cython.void:
-    """``out ← p ⊗ q`` for ``sign`` 1, ``p* ⊗ q`` for −1; ``out`` may be either."""
-    w: cython.double = p[0]
-    x: cython.double = sign * p[1]
-    y: cython.double = sign * p[2]
-    z: cython.double = sign * p[3]
-    a: cython.double = q[0]
-    b: cython.double = q[1]
-    c: cython.double = q[2]
-    d: cython.double = q[3]
-    out[0] = w * a - x * b - y * c - z * d
-    out[1] = w * b + x * a + y * d - z * c
-    out[2] = w * c - x * d + y * a + z * b
-    out[3] = w * d + x * c - y * b + z * a
+    p: cython.double[::1], i: cython.Py_ssize_t, q: cython.double[::1], j: cython.Py_ssize_t, sign: cython.double,
+    out: cython.double[::1], at: cython.Py_ssize_t,
+) -> cython.void:  # fmt: skip
+    """``out ← p ⊗ q`` for ``sign`` 1, ``p* ⊗ q`` for −1, each at its place; ``out`` may be either."""
+    w: cython.double = p[i]
+    x: cython.double = sign * p[i + 1]
+    y: cython.double = sign * p[i + 2]
+    z: cython.double = sign * p[i + 3]
+    a: cython.double = q[j]
+    b: cython.double = q[j + 1]
+    c: cython.double = q[j + 2]
+    d: cython.double = q[j + 3]
+    out[at] = w * a - x * b - y * c - z * d
+    out[at + 1] = w * b + x * a + y * d - z * c
+    out[at + 2] = w * c - x * d + y * a + z * b
+    out[at + 3] = w * d + x * c - y * b + z * a
 
 
 @cython.ccall
 @cython.nogil
 @cython.exceptval(check=False)
-def error_quaternion(px: cython.double, py: cython.double, pz: cython.double, out: cython.double[::1]) -> cython.void:
-    """Put the unit quaternion of the error vector ``p`` into ``out`` (Crassidis, Markley eq. 21 with a = 1, f = 4)."""
+def error_quaternion(
+    px: cython.double, py: cython.double, pz: cython.double, out: cython.double[::1], at: cython.Py_ssize_t
+) -> cython.void:
+    """Put the quaternion of the error vector ``p`` into ``out`` at ``at`` (Crassidis, Markley eq. 21; a = 1, f = 4)."""
     square: cython.double = px * px + py * py + pz * pz
-    out[0] = (16.0 - square) / (16.0 + square)
-    out[1] = 0.25 * (1.0 + out[0]) * px
-    out[2] = 0.25 * (1.0 + out[0]) * py
-    out[3] = 0.25 * (1.0 + out[0]) * pz
+    out[at] = (16.0 - square) / (16.0 + square)
+    out[at + 1] = 0.25 * (1.0 + out[at]) * px
+    out[at + 2] = 0.25 * (1.0 + out[at]) * py
+    out[at + 3] = 0.25 * (1.0 + out[at]) * pz
 
 
 @cython.cfunc
@@ -163,8 +168,8 @@ def _points(
     x: cython.double
     y: cython.double
     z: cython.double
-    _exp(rx - s[_B] * dt_s, ry - s[_B + 1] * dt_s, rz - s[_B + 2] * dt_s, t[_E0:])
-    _multiply(s, t[_E0:], 1.0, t[_Q:])
+    _exp(rx - s[_B] * dt_s, ry - s[_B + 1] * dt_s, rz - s[_B + 2] * dt_s, t, _E0)
+    _multiply(s, 0, t, _E0, 1.0, t, _Q)
     w = t[_Q]
     x = t[_Q + 1]
     y = t[_Q + 2]
@@ -183,11 +188,11 @@ def _points(
             w = 1.0
             x = y = z = 0.0
         else:
-            _exp(rx - t[at + 3] * dt_s, ry - t[at + 4] * dt_s, rz - t[at + 5] * dt_s, t[_E:])
+            _exp(rx - t[at + 3] * dt_s, ry - t[at + 4] * dt_s, rz - t[at + 5] * dt_s, t, _E)
             if j < 3:  # the factor is triangular: the last three points have no error of attitude yet
-                error_quaternion(sign * t[_L + j], sign * t[_L + 6 + j], sign * t[_L + 12 + j], t[_D:])
-                _multiply(t[_D:], t[_E:], 1.0, t[_E:])
-            _multiply(t[_E0:], t[_E:], -1.0, t[_D:])
+                error_quaternion(sign * t[_L + j], sign * t[_L + 6 + j], sign * t[_L + 12 + j], t, _D)
+                _multiply(t, _D, t, _E, 1.0, t, _E)
+            _multiply(t, _E0, t, _E, -1.0, t, _D)
             w = t[_D]
             x = t[_D + 1]
             y = t[_D + 2]
@@ -371,8 +376,8 @@ def ukf(
                     + 2.0 * (y * z - w * x) * mag[k, 2]
                 )
                 _read(scratch, 9, atan2(east, north), heading_noise * heading_noise / (dt * mag_weight[k]), True)
-            error_quaternion(scratch[_MEAN], scratch[_MEAN + 1], scratch[_MEAN + 2], scratch[_D:])
-            _multiply(scratch[_Q:], scratch[_D:], 1.0, state)
+            error_quaternion(scratch[_MEAN], scratch[_MEAN + 1], scratch[_MEAN + 2], scratch, _D)
+            _multiply(scratch, _Q, scratch, _D, 1.0, state, 0)
             w = 1.0 / sqrt(state[0] * state[0] + state[1] * state[1] + state[2] * state[2] + state[3] * state[3])
             for j in range(4):
                 state[j] *= w

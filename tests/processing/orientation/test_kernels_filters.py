@@ -367,10 +367,10 @@ def test_p3s_gradients_are_those_of_their_objectives(seed):
 def test_the_error_quaternion_is_a_rotation_by_its_vector_for_small_ones_and_unit_for_all(seed):
     rng = np.random.default_rng(seed)
     p, out = rng.standard_normal(3), np.empty(4)
-    kernels_ukf.error_quaternion(*(10.0 * p), out)
+    kernels_ukf.error_quaternion(*(10.0 * p), out, 0)
     assert np.linalg.norm(out) == pytest.approx(1.0, abs=1e-12)
     small = 1e-3 * p / np.linalg.norm(p)
-    kernels_ukf.error_quaternion(*small, out)
+    kernels_ukf.error_quaternion(*small, out, 0)
     np.testing.assert_allclose(qt.log_map(out), small, atol=1e-10)
 
 
