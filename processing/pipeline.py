@@ -47,7 +47,7 @@ from processing.survey import (
 T = TypeVar("T")
 
 # raised when a step's result changes for the same input, so that old caches are not believed
-VERSIONS = {"recording": 2, "attitude": 5, "odometry": 2, "track": 3, "scan": 1, "clock": 1, "candidates": 1}
+VERSIONS = {"recording": 2, "attitude": 5, "odometry": 3, "track": 3, "scan": 1, "clock": 1, "candidates": 1}
 
 FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast
 
