@@ -37,6 +37,9 @@ LIMITS = {
     "offline_vqf": (1.3, 1.9, 0.8, 0.8, 2.9, 4.0),
     "batch": (0.5, 1.4, 0.5, 1.0, 1.2, 1.6),
     "vqf": (1.7, 1.9, 1.2, 1.0, 4.9, 2.9),
+    "eskf": (1.7, 1.5, 1.2, 0.9, 2.6, 2.1),
+    "ukf": (1.8, 1.6, 1.6, 1.4, 5.7, 2.1),
+    "ekf_gd": (1.5, 4.8, 1.9, 14.4, 4.5, 5.2),
     "mahony": (1.7, 1.7, 1.7, 1.9, 4.1, 2.5),
     "ekf7": (1.8, 1.7, 1.7, 1.5, 5.3, 2.5),
     "madgwick": (1.8, 2.0, 2.5, 2.9, 6.2, 3.7),
@@ -47,6 +50,19 @@ LIMITS = {
 def test_each_estimator_keeps_its_measured_accuracy(shared_data, trials, method):
     found = [scores(trials(shared_data / "broad", n), method)[0] for n in TRIALS]
     assert np.all(np.array(found) < LIMITS[method]), dict(zip(TRIALS, np.round(found, 2).tolist(), strict=True))
+
+
+def test_the_error_state_filter_is_better_than_vqf_which_is_as_causal_as_it_is(shared_data, trials):
+    from vqf import VQF
+
+    ours, theirs = [], []
+    for number in TRIALS:
+        trial = trials(shared_data / "broad", number)
+        imu = trial.imu
+        found = VQF(1.0 / trial.rate_hz).updateBatch(imu.gyr_s_radps, imu.acc_s_mps2, imu.mag_s_ut)["quat9D"]
+        theirs.append(broad.rmse_deg(found, trial.truth_ws, trial.movement)[0])
+        ours.append(scores(trial, "eskf")[0])
+    assert np.mean(ours) < 0.95 * np.mean(theirs)
 
 
 def test_offline_vqf_here_is_as_good_as_the_package_alone(shared_data, trials):
