@@ -41,6 +41,7 @@ _PRIOR = np.array(
     [*np.where(np.eye(3) > 0, _SCALE, _MISALIGNMENT).ravel(), *[_OFFSET_MPS2] * 3, *[_ARM_M] * 3, _RADIUS_M]
 )
 _UNKNOWNS = 16
+_LARGEST_BIAS_MPS2, _LARGEST = 0.3, 0.03  # more is no sensor's error but a hand that swings the device as it turns
 _SIGNIFICANT = 3.0
 _SEEN = 0.5  # of a direction's prior sigma: what the run tells no better than that is not applied
 _ATTITUDES = 9
@@ -76,6 +77,8 @@ def calibrate_rolling(samples: TrustedSamples, progress: Progress) -> Calibratio
     if len(spells.rows) < _LEAST_SPELLS or not (_helps(spells, 0) and _helps(spells, 1)):
         return calibration
     x, covariance = _fit(spells)
+    if np.max(np.abs(x[:9])) > _LARGEST or np.max(np.abs(x[9:12])) > _LARGEST_BIAS_MPS2:
+        return calibration
     x, sigma = _seen(x, covariance), np.sqrt(np.diag(covariance))
     return replace(
         calibration,

@@ -102,6 +102,11 @@ def test_the_inclination_profits():
     assert errors["auto"] < 0.9 * errors["off"]
 
 
+def test_errors_that_no_sensor_has_are_not_believed():
+    # hand-held turning, whose acceleration goes with the turn, looks like this (BROAD's fast trials)
+    assert calibrated(spoilt(bias=np.array([1.2, 0.0, -0.8]))[0]).acc_basis == "none"
+
+
 def test_a_device_that_does_not_roll_is_left_alone():
     time_s = np.arange(0.0, 60.0, 0.01)
     wobble = 0.2 * np.sin(time_s)[:, None] * np.array([1.0, 0.3, 0.5])
