@@ -190,7 +190,7 @@ class PositionSettings:
     heading_walk: float = tunable(0.05, "°/√s", 0.0, 5.0, "gyro noise and scale along the spin axis")
     magnetic_sigma_deg: float = tunable(8.0, "°", 0.5, 90.0, "magnetic heading near pipes (navigation §6.2)")
     # the fit
-    keyframes: float = tunable(400.0, "", 50.0, 20000.0, "so many unknown places are fitted; between them all is summed")
+    keyframes: float = tunable(400.0, "", 50.0, 20000.0, "so many places are fitted; what lies between is summed")
     length_sigma_pct: float = tunable(0.2, "%", 0.001, 10.0, "how well a pipe's length is known, on top of 0.1 m")
     tie_time_sigma_s: float = tunable(0.3, "s", 0.0, 60.0, "reaction time of whoever notes a tie point")
     tie_clock_sigma_s: float = tunable(0.1, "s", 0.0, 60.0, "what all tie points' clock may be off, together")

@@ -12,7 +12,6 @@ import numpy as np
 
 from processing.coordinates import LocalFrame, frame_of
 from processing.orientation.quaternions import multiply, turn_about_up
-from processing.position.error_model import Rows
 from processing.position.evidence import Evidence
 from processing.position.factors import collect
 from processing.position.fit_results import FitPreview, FitSeries, Fitted
@@ -27,7 +26,7 @@ from processing.position.keyframes import (
     nearest_rows,
 )
 from processing.position.motion_model import Prior
-from processing.position.odometry import Odometry, rescaled, started_at, thinned, with_slips
+from processing.position.odometry import Odometry, Rows, rescaled, started_at, thinned, with_slips
 from processing.position.route import RouteLine, route_line
 from processing.position.smoothing import TURNS, Settled, settle
 from processing.position.tie_checks import TieCheck, checks_of

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.orientation.quaternions import rotate
-from processing.position.error_model import Rows
 from processing.position.odometry import (
     BLOCK_ROWS,
     Odometry,
+    Rows,
     cumulated,
     gaps,
     in_spans,

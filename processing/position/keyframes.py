@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from processing.position.error_model import Rows, directions
 from processing.position.evidence import Evidence
-from processing.position.odometry import Odometry, cumulated, thinned
+from processing.position.odometry import Odometry, Rows, cumulated, directions, thinned
 from processing.survey import FloatArray
 
 _WAY_SHARE = 0.8

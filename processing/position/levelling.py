@@ -14,8 +14,7 @@ import numpy as np
 
 from processing.orientation import kernels
 from processing.orientation import quaternions as qt
-from processing.position.error_model import Rows
-from processing.position.odometry import BLOCK_ROWS
+from processing.position.odometry import BLOCK_ROWS, Rows
 from processing.survey import Attitude, FloatArray, ImuSamples
 
 _WINDOW_S = 1.0

@@ -6,6 +6,7 @@ blocks, and kept at the track's rate.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,8 @@ import numpy.typing as npt
 from processing.errors import ErrorCode, LeaklineError
 from processing.position.evidence import SlipSpan
 from processing.survey import BoolArray, Channel, Finding, FloatArray, ImuSamples, Params, Stretch
+
+Rows: TypeAlias = npt.NDArray[np.intp]
 
 BLOCK_ROWS = 200_000  # 5 MB a vector column: large enough to be quick, small enough for hours at 1 kHz
 GAP_S = 0.25  # a longer silence of good samples is reported as not assessed; shorter ones are bridged
@@ -52,7 +55,7 @@ class Odometry:
     lost_heading_rad2: FloatArray | None = None  # (m,)
 
 
-def usable_rows(imu: ImuSamples) -> npt.NDArray[np.intp] | slice:
+def usable_rows(imu: ImuSamples) -> Rows | slice:
     """Return the valid rows, as a slice where all are.
 
     Raises:
@@ -128,6 +131,18 @@ def cumulated(steps: FloatArray) -> FloatArray:
     return np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])
 
 
+def directions(level_m: FloatArray) -> FloatArray:
+    """Return unit directions (m − 1, 2) of a path's steps; where it rests, the last one before."""
+    step = np.diff(level_m, axis=0)
+    size = np.hypot(step[:, 0], step[:, 1])
+    moving = size > 1e-9
+    if not np.any(moving):
+        return np.tile([1.0, 0.0], (len(step), 1))
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(step)), -1))
+    last[last < 0] = int(np.argmax(moving))
+    return np.asarray(step[last] / size[last, None])
+
+
 def rescaled(odometry: Odometry, factor: float) -> Odometry:
     """Return the odometry with all lengths times ``factor`` (another radius)."""
     return replace(
@@ -142,7 +157,7 @@ def rescaled(odometry: Odometry, factor: float) -> Odometry:
     )
 
 
-def thinned(odometry: Odometry, rows: npt.NDArray[np.intp]) -> Odometry:
+def thinned(odometry: Odometry, rows: Rows) -> Odometry:
     """Return the odometry at some of its rows: the walks are cumulated, so nothing but detail is lost."""
     return replace(
         odometry,

@@ -25,6 +25,7 @@ from processing.position.motion_model import (
     start_nominal,
 )
 from processing.position.noise_levels import SLIP_SPREAD, Weighed, mean_levels, mixed_sigma, weigh
+from processing.position.odometry import directions
 from processing.position.tie_checks import hold_down
 from processing.settings import PositionSettings
 from processing.survey import FloatArray
@@ -224,8 +225,6 @@ def _mixed(
 
 def _ahead(place_m: FloatArray) -> FloatArray:
     """Unit directions of travel at the keyframes (k, 2): those of the steps on both sides."""
-    from processing.position.error_model import directions
-
     step = directions(place_m)
     both = np.vstack([step[:1], step[1:] + step[:-1], step[-1:]])
     size = np.hypot(*both.T)[:, None]

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from processing.orientation.quaternions import rotate, slerp_at
-from processing.position.error_model import Rows
 from processing.position.levelling import WorldRows, find_levelling, gyro_offset, integrated, upright
-from processing.position.odometry import BLOCK_ROWS, cumulated
+from processing.position.odometry import BLOCK_ROWS, Rows, cumulated
 from processing.progress import Progress
 from processing.survey import Attitude, FloatArray, ImuSamples
 

@@ -12,6 +12,8 @@ from processing.position.ties import LENGTH
 from processing.settings import PositionSettings
 from processing.survey import FloatArray
 
+_INCREMENT_ROUNDS = 12
+
 
 @dataclass(frozen=True)
 class TieCheck:
@@ -45,23 +47,23 @@ def hold_down(items: tuple[Item, ...], solve: Solve, settings: PositionSettings)
     """Raise the covariance of items that all the others contradict until they fit (data snooping, Baarda).
 
     Of ties and fixes the worst goes first, so that a wrong one does not take right ones with it; two equally bad ones
-    are both held down: nothing tells which is wrong. Increments are many and weigh little: all that disagree go at
-    once. One item alone is believed.
+    are both held down: nothing tells which is wrong. Increments are many: all go at once that disagree by nearly as
+    much as the worst of them, as a wrong one drags its neighbours along. One item alone is believed.
     """
     held = list(items)
     if len(items) < 2:
         return items
     limits = {size: _limit(size, settings) for size in (1, 2)}
     single = np.array([item.kind in ("tie", "fix") for item in items])
-    rounds = 2 * int(np.count_nonzero(single)) + 4
+    rounds = 2 * int(np.count_nonzero(single)) + _INCREMENT_ROUNDS
     for _ in range(rounds):
         smoothed, read = solve(tuple(held))
         excess = _excess(smoothed, held, read, limits)
         if excess.max() <= 1.0 + 1e-6:
             break
-        worst = 0.9 * float(excess[single].max()) if np.any(single) else np.inf
+        worst = np.where(single, 0.9 * excess[single].max(initial=0.0), 0.4 * excess[~single].max(initial=0.0))
         for k in np.flatnonzero(excess > 1.0):
-            if not single[k] or excess[k] >= worst:
+            if excess[k] >= worst[k]:
                 miss = left_out(smoothed, held[k : k + 1], read.parts[k : k + 1])
                 grown = held[k].covariance_m2 + miss.covariance_m2 * (excess[k] - 1.0)
                 held[k] = replace(held[k], covariance_m2=grown)

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.orientation.quaternions import multiply, turn_about_up
-from processing.position.error_model import Rows, outer
 from processing.position.fit_results import FitPreview, FitSeries, Innovation
 from processing.position.heading import route_turn
 from processing.position.height import Heights
 from processing.position.keyframes import Keyframes
 from processing.position.motion_model import DRIFT, EAST, NORTH, SCALE, SLIP, TURN, WAY
-from processing.position.odometry import Odometry, cumulated
+from processing.position.odometry import Odometry, Rows, cumulated
 from processing.position.route import RouteLine
 from processing.position.smoothing import Settled
 from processing.position.tie_checks import TieCheck
@@ -176,3 +175,8 @@ def _on_route(route: RouteLine, chainage: FloatArray, along: FloatArray, cross: 
     ahead = route.directions(chainage)[:, :2]
     round_part = (cross**2)[:, None] * np.array([1.0, 0.0, 1.0])
     return np.asarray((along**2 - cross**2)[:, None] * outer(ahead) + round_part)
+
+
+def outer(v: FloatArray) -> FloatArray:
+    """Return xx, xy, yy (k, 3) of the products of vectors (k, 2) with themselves."""
+    return np.column_stack([v[:, 0] ** 2, v[:, 0] * v[:, 1], v[:, 1] ** 2])

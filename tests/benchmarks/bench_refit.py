@@ -140,8 +140,8 @@ def main():
             name = f"{told.ties} {kind}{' + joints, pressure' if known.increments else ''}"
             print(
                 f"{hours:3.0f} h  {name:32s} {len(preview.time_s):5}  {prepared:6.2f} s  "
-                f"{1e3 * np.median(own):6.1f} ms   {1e3 * min(clock):6.1f} {1e3 * np.median(clock):6.1f} ms   {np.median(own) / yardstick():6.1f}   "
-                f"{whole:6.2f} s",
+                f"{1e3 * np.median(own):6.1f} ms   {1e3 * min(clock):6.1f} {1e3 * np.median(clock):6.1f} ms   "
+                f"{np.median(own) / yardstick():6.1f}   {whole:6.2f} s",
                 flush=True,
             )
 

@@ -47,7 +47,16 @@ def way(time_s, speed_mps, yaw_rad):
     return Truth(time_s, np.concatenate([[0.0], np.cumsum(step)]), np.vstack([zero, position]))
 
 
-def realistic(rng, length_m, bends=6, scale_sigma=0.02, loop=False, slip_walk=0.042):
+def realistic(
+    rng,
+    length_m,
+    bends=6,
+    scale_sigma=0.02,
+    loop=False,
+    slip_walk=0.042,
+    drift_dph=250.0,
+    settings=PositionSettings(),  # noqa: B008  # frozen
+):
     """A run as in a main, with errors as on the wheels of navigation §4.4: heavy tails between runs, and stops.
 
     Slip walk 0.042 m/√m in the median, as 1 % of slip that wanders over 15 s makes at 0.6 m/s (the wheels show twice
@@ -79,10 +88,10 @@ def realistic(rng, length_m, bends=6, scale_sigma=0.02, loop=False, slip_walk=0.
     slip = slip_walk * np.exp(0.555 * rng.standard_normal())
     step = np.diff(truth.chainage_m)
     rolled = step * (1.0 + scale_sigma * rng.standard_normal()) + slip * np.sqrt(step) * rng.standard_normal(len(step))
-    drift = np.radians(250.0) / 3600.0 * rng.standard_normal()
-    wander = np.cumsum(np.radians(0.05) * np.sqrt(dt) * rng.standard_normal(len(time_s)))
+    drift = np.radians(drift_dph) / 3600.0 * rng.standard_normal()
+    wander = np.cumsum(np.radians(settings.heading_walk) * np.sqrt(dt) * rng.standard_normal(len(time_s)))
     heading = np.radians(2.5) * rng.standard_normal() + drift * time_s + wander
-    made = odometry(time_s, np.concatenate([[0.0], np.maximum(rolled, 0.0) / dt]), yaw)
+    made = odometry(time_s, np.concatenate([[0.0], np.maximum(rolled, 0.0) / dt]), yaw, settings)
     level = np.diff(truth.position_w_m[:, :2], axis=0)
     way_yaw = np.arctan2(level[:, 1], level[:, 0]) + 0.5 * (heading[1:] + heading[:-1])
     signed = np.cumsum(rolled)

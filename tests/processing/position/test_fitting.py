@@ -4,11 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from closed_form import ErrorModel, Sigmas, Walks
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from odometry_runs import odometry, realistic
 
-from processing.position.error_model import ErrorModel, Sigmas, Walks
 from processing.position.evidence import Evidence
 from processing.position.fitting import fit, prepare
 from processing.progress import silent
