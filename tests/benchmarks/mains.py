@@ -9,8 +9,8 @@ told 1 % wrong, launch heading told. It is reckoned once and fitted to each layo
 - by ``chainage`` (each wrong by N(0, 0.5 m), and saying so), or by ``coordinates`` (likewise, east and north);
 - with the mapped route (shifted as a whole by N(0, 0.5 m)), or without (``free``).
 
-``wrong``: of the four markers at 250 m one, drawn at random, is 20 m off. *Found* is when its check is held down;
-*alone* when no other is.
+``wrong``: of the four markers at 250 m one, drawn at random, is 20 m off. *Found* is when its check is held down
+or it is said to lie off the route; *alone* when no other is.
 
 ``best`` is the ceiling along the pipe: the same chainages with the true way of rolling, by Gaussian regression with the
 true statistics of slip, radius and markers. No method that knows only the markers can be better on the mean.
@@ -87,8 +87,13 @@ def figures_of(fitted, run):
         "across": np.round(across, 4).tolist(),
         "sigma_along": np.round(track.sigma_along_m[rows], 4).tolist(),
         "sigma_across": np.round(track.sigma_cross_m[rows], 4).tolist(),
-        "held": [c.name for c in fitted.checks if c.held_down],
+        "held": sorted({c.name for c in fitted.checks if c.held_down} | off_route(track)),
     }
+
+
+def off_route(track):
+    """Names of the markers that the track found far from the map: one moved across the pipe hardly moves the path."""
+    return {str(f.params["name"]) for f in track.findings if f.code == "tie_off_route"}
 
 
 def best_along(run, ties):
