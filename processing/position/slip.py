@@ -250,7 +250,8 @@ def _unfelt_steps(bins: _Bins, speed: FloatArray, known: list[SlipSpan]) -> list
     size[turned < 0.5 * size] = 0.0
     limit = max(_LEAST_STEP_MPS, _STEP_SHARE * float(np.median(speed[moving])), _STEP_SIGMAS * usual)
     size[_smooth((bins.blow_mps2 > _BLOW_MPS2).astype(float), 2.0 * _WINDOW_S) > 0.0] = 0.0
-    size[_smooth(bins.bad, 2.0 * _WINDOW_S) > 0.02] = 0.0
+    # a tenth of a second holds one row more or less: that is no hole
+    size[_smooth(bins.bad, 2.0 * _WINDOW_S) > _BAD_SHARE] = 0.0
     for span_known in known:
         size[(bins.time_s > span_known.start_s - 2.0) & (bins.time_s < span_known.end_s + 2.0)] = 0.0
     return [
