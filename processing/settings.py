@@ -172,9 +172,12 @@ class PositionSettings:
     foot_acc_offset_walk: float = tunable(1e-4, "m/s²/√s", 0.0, 0.1, "navigation §6.4")
     foot_gyr_offset_sigma_dps: float = tunable(0.1, "°/s", 0.0, 10.0, "what the orientation step leaves of it")
     foot_gyr_offset_walk_dps: float = tunable(0.001, "°/s/√s", 0.0, 1.0, "navigation §6.4: 0.003; less did as well")
-    foot_error_factor: float = tunable(1.0, "1", 0.1, 50.0, "makes 95 % intervals true on the VICON trials")
+    foot_error_factor: float = tunable(2.0, "1", 0.1, 50.0, "makes 95 % intervals true on the VICON trials")
     foot_up_error_factor: float = tunable(1.0, "1", 0.1, 50.0, "likewise for height")
     foot_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "a stance that rolls shortens every stride alike")
+    foot_slope_sigma_pct: float = tunable(
+        1.3, "%", 0.0, 20.0, "a tilt that stays with the foot lets it rise or sink all the way; likewise"
+    )
     inertial_scale_sigma_pct: float = tunable(0.5, "%", 0.01, 20.0, "accelerometer scale of consumer MEMS")
     velocity_walk: float = tunable(
         0.004, "m/s/√s", 0.0001, 1.0, "least error of integrated acceleration; stops raise it"

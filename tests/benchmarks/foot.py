@@ -116,7 +116,11 @@ def turned(path: np.ndarray, angle: float) -> np.ndarray:
 
 
 def solve(walk: Walk, method: str, settings: PositionSettings, attitudes: dict[str, object]) -> Result:
-    survey = Survey(device=DeviceInfo(motion=Motion.FOOT), processing=ProcessingChoice(position=method))
+    """Return the errors of one walk; ``attitudes`` keeps what was estimated, and under "orientation" the estimator."""
+    survey = Survey(
+        device=DeviceInfo(motion=Motion.FOOT),
+        processing=ProcessingChoice(str(attitudes.get("orientation", "auto")), method),
+    )
     if walk.name not in attitudes:
         attitudes[walk.name] = estimate_attitude(walk.imu, survey, OrientationSettings(), silent())[0]
     reckoned = find_reckoned(walk.imu, attitudes[walk.name], survey, settings, silent())
@@ -208,10 +212,11 @@ def main() -> None:
     parser.add_argument("--detectors", nargs="*", default=list(ALL))
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--fixed", action="store_true", help="fixed thresholds instead of adaptive ones")
+    parser.add_argument("--orientation", default="auto")
     given = parser.parse_args()
     threshold = "fixed" if given.fixed else "adaptive"
     base = PositionSettings(zero_velocity_threshold=threshold)
-    attitudes: dict[str, object] = {}
+    attitudes: dict[str, object] = {"orientation": given.orientation}
     cameras = [*two_feet(), *gaitmap()]
     trials = list(vicon(given.vicon)) if given.vicon else []
     unseen = [w for w in trials if w.name.startswith(UNSEEN)]

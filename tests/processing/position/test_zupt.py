@@ -141,3 +141,36 @@ def test_the_interval_holds_a_real_walk_before_cameras(shared_data):
     sigma = np.interp(imu.time_s, track.time_s, np.minimum(track.sigma_along_m, track.sigma_cross_m))
     assert np.mean(miss) < 0.2  # 66 m walked; published on it: 1.31 m filtered, 0.45 m as a factor graph
     assert np.mean(miss < 2.45 * np.maximum(sigma, 0.02)) > 0.9
+
+
+def test_impacts_loosen_the_filter_by_the_same_factor_in_blocks_as_at_once(monkeypatch, square):
+    from processing.position import zupt
+
+    imu, index = square.imu, np.arange(len(square.imu.time_s))
+    rows = np.arange(0, len(index), 7)
+    whole = zupt._jolted(imu, index, rows, SETTINGS)
+    monkeypatch.setattr(zupt, "BLOCK_ROWS", 501)
+    assert np.allclose(zupt._jolted(imu, index, rows, SETTINGS), whole)
+    k = int(np.argmax(whole))
+    step = np.median(np.diff(imu.time_s))
+    change = np.diff(imu.acc_s_mps2[rows[k - 1] : rows[k] + 1], axis=0)
+    lost = SETTINGS.foot_jolt_share**2 * np.sum(change**2) * step / 7.0  # a share of each change, for a sample's time
+    assert whole[k] == pytest.approx(np.sqrt(1.0 + lost / SETTINGS.foot_acc_noise**2), rel=5e-3)
+
+
+def test_an_absolute_heading_keeps_the_path_from_turning():
+    count = 24_000  # two minutes of standing with a gyro that nobody has calibrated, read at 200 Hz
+    time_s = np.arange(count) / 200.0
+    acc = np.tile([0.0, 0.0, GRAVITY], (count, 1)) + 0.3 * np.sin(7.0 * time_s)[:, None]
+    gyr = np.tile([0.0, 0.0, np.radians(0.2)], (count, 1)) + np.radians(60.0) * np.sin(7.0 * time_s)[:, None]
+    imu = ImuSamples(time_s, acc, gyr, np.ones(count, bool))
+    level = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+    turned = [
+        np.degrees(2.0 * np.abs(reckon(imu, a, FOOT, SETTINGS, silent()).quat_ws[-1, 3]))
+        for a in (
+            Attitude(level, np.zeros(3), "made"),
+            Attitude(level, np.zeros(3), "made", heading_from="magnetometer"),
+        )
+    ]
+    assert turned[0] > 15.0
+    assert turned[1] < 0.6 * turned[0]  # a magnetic heading is weak, but does not drift
