@@ -77,6 +77,8 @@ class SurveyForm(QWidget):
             line.editingFinished.connect(self._changed)
         self._diameter = self._number("diameter", 0.01, 10.0, factor=0.001)
         self._length = self._number("length", 0.1, 1e6, hint=self.tr("unknown"))
+        self._joints = self._number("joint_spacing", 0.5, 100.0, hint=self.tr("found by itself"))
+        self._joints.setToolTip(self.tr("Length of one pipe from joint to joint: the bumps then count the metres"))
         return self._box(
             self.tr("Device and pipe"),
             (self.tr("The device is"), self._motion),
@@ -84,6 +86,7 @@ class SurveyForm(QWidget):
             (self.tr("Pipe material"), self._material),
             (self.tr("Inner diameter (mm)"), self._diameter),
             (self.tr("Surveyed length (m)"), self._length),
+            (self.tr("Joint to joint (m)"), self._joints),
         )
 
     def _materials(self) -> tuple[str, ...]:
@@ -255,6 +258,7 @@ class SurveyForm(QWidget):
             (self._radius, survey.device.radius_m),
             (self._diameter, survey.pipe.diameter_m),
             (self._length, survey.pipe.length_m),
+            (self._joints, survey.pipe.joint_spacing_m),
             (self._latitude, launch.latitude),
             (self._longitude, launch.longitude),
             (self._east, launch.east_m),
@@ -282,6 +286,7 @@ class SurveyForm(QWidget):
                 material=self._material.currentText().strip(),
                 diameter_m=self._diameter.value,
                 length_m=self._length.value,
+                joint_spacing_m=self._joints.value,
             ),
             device=replace(self._survey.device, motion=Motion(self._motion.currentData()), radius_m=self._radius.value),
             audio=replace(

@@ -1907,6 +1907,10 @@
         <translation>İç çap (mm)</translation>
     </message>
     <message>
+        <source>Joint to joint (m)</source>
+        <translation>Ekten eke (m)</translation>
+    </message>
+    <message>
         <source>Latitude (°)</source>
         <translation>Enlem (°)</translation>
     </message>
@@ -1917,6 +1921,10 @@
     <message>
         <source>Leak finder</source>
         <translation>Kaçak arama</translation>
+    </message>
+    <message>
+        <source>Length of one pipe from joint to joint: the bumps then count the metres</source>
+        <translation>Bir borunun ekten eke boyu: ek yerlerindeki sarsıntılar metreleri sayar</translation>
     </message>
     <message>
         <source>Longitude (°)</source>

@@ -19,7 +19,7 @@ METHODS = {
 }
 FULL = Survey(
     info=SurveyInfo("Station Road", "A. Şahin", "2026-05-04", "İSKİ", simulated=True),
-    pipe=PipeInfo("ductile iron", 0.30, 1204.0),
+    pipe=PipeInfo("ductile iron", 0.30, 1204.0, joint_spacing_m=6.0),
     audio=AudioInfo("audio.wav", 1, 0.25, -12.5, raw_sample_rate_hz=48000.0, raw_bits=32),
     launch=Launch(latitude=40.9012, longitude=29.1, elevation_m=31.0, heading_deg=45.0),
     tie_points=(TiePoint("retrieval", 2411.5, chainage_m=1204.0),),
