@@ -128,6 +128,7 @@ class _Fit:
     placing: _Placing
     start: HeadingStart
     findings: tuple[Finding, ...]
+    dropped: int
 
 
 def _fitted(problem: FitProblem, survey: Survey, settings: PositionSettings, progress: Progress) -> _Fit:
@@ -162,7 +163,7 @@ def _fitted(problem: FitProblem, survey: Survey, settings: PositionSettings, pro
         frames, factors, prior, heights.shorter, settings, lambda done: progress.update(done, "position_fit")
     )
     checks = checks_of(settled.amid, settled.read, settled.items, settled.held)
-    return _Fit(frames, settled, heights, checks, placing, start, (*findings, *start.findings))
+    return _Fit(frames, settled, heights, checks, placing, start, (*findings, *start.findings), factors.dropped)
 
 
 def _rows(problem: FitProblem, survey: Survey) -> Rows:
@@ -232,6 +233,7 @@ def _fit_findings(fitted: _Fit, problem: FitProblem, track: Track) -> tuple[Find
         if check.held_down:
             params: Params = {"name": check.name, "metres": abs(check.left_out_m), "sigma_m": check.left_out_sigma_m}
             out.append(Finding("tie_disagrees" if check.name else "length_disagrees", Severity.WARNING, params))
+    out += _evidence_findings(fitted)
     scale, sigma = float(fitted.settled.mean[0, 0]), fitted.frames.odometry.scale_sigma
     if sigma < _RESCALE_SIGMA and abs(scale) > 3.0 * sigma:
         out.append(Finding("scale_unusual", Severity.WARNING, {"percent": 100.0 * scale}))
@@ -242,3 +244,18 @@ def _fit_findings(fitted: _Fit, problem: FitProblem, track: Track) -> tuple[Find
         if beyond > 3.0 * float(track.sigma_along_m[-1]) + 1.0:
             out.append(Finding("beyond_route", Severity.WARNING, {"metres": beyond}))
     return tuple(out)
+
+
+def _evidence_findings(fitted: _Fit) -> list[Finding]:
+    """What of the recording's own evidence was let go."""
+    out = []
+    beside = [(i, kept is not i) for i, kept in zip(fitted.settled.items, fitted.settled.held) if i.kind != "tie"]
+    for kind in ("fix", "increment", "revisit"):
+        let_go = [gone for item, gone in beside if item.kind == kind]
+        if any(let_go):
+            params: Params = {"count": float(sum(let_go)), "total": float(len(let_go))}
+            code = {"fix": "fix_disagrees", "increment": "increment_disagrees"}.get(kind, "revisit_disagrees")
+            out.append(Finding(code, Severity.INFO, params))
+    if fitted.dropped:
+        out.append(Finding("increments_dropped", Severity.INFO, {"count": float(fitted.dropped)}))
+    return out

@@ -49,6 +49,13 @@ def weigh(likelihood: Callable[[Levels], float]) -> tuple[Weighed, ...]:
     )
 
 
+def log_prior(levels: Levels) -> float:
+    """Return the log of the prior density of a level, without its constant."""
+    slip = np.log(np.sqrt(levels.slip) / SLIP_MEDIAN) / SLIP_SPREAD
+    heading = np.log(np.sqrt(levels.heading) / _HEADING_MEDIAN) / _HEADING_SPREAD
+    return float(-0.5 * (slip**2 + heading**2))
+
+
 def mean_levels(weighed: Sequence[Weighed]) -> Levels:
     """Return the one level that lies amid all (geometric mean)."""
     slip, heading = (

@@ -24,7 +24,7 @@ from processing.position.motion_model import (
     next_nominal,
     start_nominal,
 )
-from processing.position.noise_levels import SLIP_SPREAD, Weighed, mean_levels, mixed_sigma, weigh
+from processing.position.noise_levels import Weighed, log_prior, mean_levels, mixed_sigma, weigh
 from processing.position.odometry import directions
 from processing.position.tie_checks import hold_down
 from processing.settings import PositionSettings
@@ -33,7 +33,7 @@ from processing.survey import FloatArray
 TURNS = 20
 _STILL_M = 1e-3
 _OPEN_SCALE = 0.2  # while ties are checked against each other, the radius has no say
-_ROUGH = Levels(9.0, 4.0)
+_USUAL, _ROUGH, _QUIET = Levels(), Levels(9.0, 4.0), Levels(1.0, 0.04)
 _LINEAR_SHARE = 0.15  # of the way: what a path may miss a place by and still be linear in its heading
 _GROWING_TURNS = 4
 _CHECKING_TURNS = 6
@@ -162,36 +162,54 @@ class _Smoother:
 def _held_down(
     smoother: _Smoother, nominal: Nominal, items: tuple[Item, ...], settings: PositionSettings
 ) -> tuple[Nominal, tuple[Item, ...]]:
-    """Hold down what all others contradict, unless a rougher run explains it better than wrong ties do."""
+    """Hold down what all others contradict.
+
+    A wrong tie may be a right one of a rougher run, and an innocent looking one a wrong one of a run with a quieter
+    gyro: the likelihood decides, with wrong ties being rare.
+    """
+    usual = _held_down_at(smoother, nominal, items, settings, _USUAL)
+    tried = [usual]
+    if smoother.bends(items):
+        tried.append(_held_down_at(smoother, nominal, items, settings, _QUIET))
+    if any(hypothesis.wrong for hypothesis in tried):
+        tried.append(_held_down_at(smoother, nominal, items, settings, _ROUGH))
+    best = max(tried, key=lambda hypothesis: hypothesis.score)
+    return best.nominal, best.held
+
+
+@dataclass(frozen=True)
+class _Hypothesis:
+    """What is held down at one level of noise, and how well that explains everything."""
+
+    nominal: Nominal
+    held: tuple[Item, ...]
+    wrong: int
+    score: float
+
+
+def _held_down_at(
+    smoother: _Smoother, nominal: Nominal, items: tuple[Item, ...], settings: PositionSettings, levels: Levels
+) -> _Hypothesis:
     nowhere = np.zeros(len(smoother.frames.rows), dtype=np.bool_)
-    best: tuple[float, Nominal, tuple[Item, ...]] | None = None
-    for levels in (Levels(), _ROUGH):
-        current = nominal
-        solutions: list[tuple[Nominal, Chain]] = []
+    solutions: list[tuple[Nominal, Chain]] = []
 
-        def solved(
-            some: tuple[Item, ...], levels: Levels = levels, solutions: list[tuple[Nominal, Chain]] = solutions
-        ) -> tuple[Smoothed, Read]:
-            last = solutions[-1][0] if solutions else nominal
-            about, _ = smoother.around(some, last, levels, doubting=True, most=_CHECKING_TURNS)
-            chain = smoother.chain(smoother.model(about), levels, doubting=True)
-            solutions.append((about, chain))
-            read = readings_of(some, smoother.copies.size)
-            return smooth(chain, read.readings, nowhere), read
+    def solved(some: tuple[Item, ...]) -> tuple[Smoothed, Read]:
+        last = solutions[-1][0] if solutions else nominal
+        about, _ = smoother.around(some, last, levels, doubting=True, most=_CHECKING_TURNS)
+        chain = smoother.chain(smoother.model(about), levels, doubting=True)
+        solutions.append((about, chain))
+        read = readings_of(some, smoother.copies.size)
+        return smooth(chain, read.readings, nowhere), read
 
-        held = hold_down(items, solved, settings)
-        wrong = sum(mine is not given for mine, given in zip(held, items))
-        current = solutions[-1][0] if solutions else nominal
-        if wrong == 0 and best is None:
-            return current, held
-        # whitened readings hide how wide each is: its width belongs into the likelihood
-        wide = sum(float(np.linalg.slogdet(item.covariance_m2)[1]) for item in held)
-        likelihood = log_likelihood(solutions[-1][1], readings_of(held, smoother.copies.size).readings)
-        score = likelihood - 0.5 * wide - wrong * _DOUBT - 0.5 * (0.5 * np.log(levels.slip) / SLIP_SPREAD) ** 2
-        if best is None or score > best[0]:
-            best = score, current, held
-    assert best is not None
-    return best[1], best[2]
+    held = hold_down(items, solved, settings)
+    if not solutions:
+        return _Hypothesis(nominal, held, 0, 0.0)
+    current, chain = solutions[-1]
+    wrong = sum(mine is not given for mine, given in zip(held, items))
+    # whitened readings hide how wide each is: its width belongs into the likelihood
+    wide = sum(float(np.linalg.slogdet(i.covariance_m2)[1]) for i in held if len(i.value) > 1)
+    likelihood = log_likelihood(chain, readings_of(held, smoother.copies.size).readings)
+    return _Hypothesis(current, held, wrong, likelihood - 0.5 * wide - wrong * _DOUBT + log_prior(levels))
 
 
 def _mixed(

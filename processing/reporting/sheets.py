@@ -8,6 +8,7 @@ import numpy as np
 
 from processing import messages
 from processing.coordinates import is_local
+from processing.position.tie_checks import TieCheck
 from processing.reporting.content import LeakRow, ReportContent, verdict_counts
 from processing.reporting.figures import VERDICT_COLOURS
 from processing.survey import Motion, Verdict
@@ -46,6 +47,7 @@ def page_data(content: ReportContent, language: str) -> dict[str, Any]:
         ),
         "facts": cover_facts(content, words),
         "accuracy": accuracy(content, words),
+        "ties": [tie_row(check, words) for check in results.tie_checks],
         "leaks": [table_row(row, content, words) for row in content.rows[: 4 * SHEETS_AT_MOST]],
         "more": words("more", count=left_out) if left_out > 0 else "",
         "sheets": [sheet(row, content, words) for row in sheets],
@@ -143,6 +145,19 @@ def accuracy(content: ReportContent, words: Words) -> list[str]:
     if any(finding.code == "heading_unknown" for finding in results.findings):
         sentences.append(words("heading_unknown"))
     return sentences
+
+
+def tie_row(check: TieCheck, words: Words) -> list[str]:
+    """Return one line of the table of tie points: how far the path passes it, and how far it would, were it unknown."""
+    signed = "+.2f" if check.kind == "chainage" else ".2f"
+    return [
+        check.name or words("tie_length"),
+        words(f"tie_{check.kind}"),
+        f"{check.time_s:.1f} s",
+        f"{check.residual_m:{signed}} m",
+        f"{check.left_out_m:{signed}} m ± {1.96 * check.left_out_sigma_m:.2f} m",
+        words("tie_held_down") if check.held_down else words("tie_used"),
+    ]
 
 
 def table_row(row: LeakRow, content: ReportContent, words: Words) -> dict[str, str]:

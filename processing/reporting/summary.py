@@ -50,6 +50,7 @@ def summary(content: ReportContent) -> dict[str, Any]:
             "largest_sigma_along_m": float(np.max(track.sigma_along_m)) if track is not None else None,
             "not_assessed_m": content.unassessed_m,
             **(dict(track.quality) if track is not None else {}),
+            "tie_checks": [asdict(check) for check in results.tie_checks],
         },
     }
 
