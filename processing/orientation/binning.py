@@ -38,17 +38,33 @@ class BinSums:
 
     def add(self, time_s: FloatArray, terms: FloatArray) -> None:
         """Add rows at times (m,), none before those already added, with terms (m, k)."""
-        if not len(time_s):
-            return
+        if len(time_s):
+            number, edges = self._numbered(time_s)
+            self._append(number[edges], np.add.reduceat(terms, edges))
+
+    def places(self, time_s: FloatArray) -> tuple[IndexArray, FloatArray]:
+        """Return the place of each of the rows at times (m,), and the sums (k, terms) to add them to at these places.
+
+        For terms that are summed as they are made; none of the rows comes before those already added.
+        """
+        number, edges = self._numbered(time_s)
+        sums = np.zeros((len(edges), self._sums[0].shape[1]))
+        if len(edges):
+            self._append(number[edges], sums)
+        return np.repeat(np.arange(len(edges)), np.diff(edges, append=len(number))), sums
+
+    def _numbered(self, time_s: FloatArray) -> tuple[IndexArray, IndexArray]:
+        """Return each row's bin (m,), and the first rows of the bins (k,)."""
         number = np.floor((time_s - self._start_s) / self._width_s).astype(np.intp)
-        edges = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
-        found, sums = number[edges], np.add.reduceat(terms, edges)
+        return number, np.flatnonzero(np.diff(number, prepend=number[:1] - 1))
+
+    def _append(self, found: IndexArray, sums: FloatArray) -> None:
+        """Take bins (k,), k ≥ 1, and their sums (k, terms); a bin that goes on moves to them."""
         if self._numbers and self._numbers[-1][-1] == found[0]:
-            self._sums[-1][-1] += sums[0]
-            found, sums = found[1:], sums[1:]
-        if len(found):
-            self._numbers.append(found)
-            self._sums.append(sums)
+            sums[0] += self._sums[-1][-1]
+            self._numbers[-1], self._sums[-1] = self._numbers[-1][:-1], self._sums[-1][:-1]
+        self._numbers.append(found)
+        self._sums.append(sums)
 
     def result(self) -> Bins:
         """Return all bins from the first to the last with rows, empty ones between them included, up to the limit."""

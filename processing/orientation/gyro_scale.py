@@ -23,11 +23,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from processing.orientation import kernels
+from processing.orientation import kernels_calibration
 from processing.orientation import quaternions as qt
 from processing.orientation.binning import BinSums
 from processing.orientation.calibration import STANDARD_GRAVITY_MPS2, Calibration
-from processing.orientation.samples import Block, TrustedSamples
+from processing.orientation.samples import TrustedSamples
 from processing.progress import Progress
 from processing.survey import FloatArray
 
@@ -43,7 +43,7 @@ _CORRELATION_BINS = 10.0  # the ball's own acceleration lasts for seconds, so bi
 _USEFUL_SIGMA = 0.002
 _LARGEST = 0.05  # a larger "scale" is a saturated gyro or a wrong unit, not an error of scale
 _COUNT, _FORCE, _JACOBIAN, _SPUN, _RATE = 0, slice(1, 4), slice(4, 40), slice(40, 49), slice(49, 52)
-_TERMS = 52
+_TERMS = kernels_calibration.ROW_SIZE
 _LARGEST_RADIUS_M = 0.5
 
 
@@ -165,7 +165,8 @@ def _bin(samples: TrustedSamples, segment: tuple[int, int], progress: Progress) 
     sums = BinSums(start, _FINE_S, _TERMS, most_empty=_FINE_BINS)
     q = np.array(qt.IDENTITY)
     for block in samples.blocks(segment):
-        sums.add(block.time_s, _row_terms(block, q))
+        place, found = sums.places(block.time_s)
+        kernels_calibration.add_rolling(block.turn, block.dt_s, block.acc_g, place, q, found)
         progress.update(block.stop / samples.count, "orientation_calibration")
     fine = sums.result().sums
     fine = np.vstack([fine, np.zeros((-len(fine) % _FINE_BINS, _TERMS))])
@@ -175,26 +176,6 @@ def _bin(samples: TrustedSamples, segment: tuple[int, int], progress: Progress) 
     edge = np.vstack([rate[:1], edge, rate[-1:]])
     bins[:, _RATE] = np.diff(edge, axis=0) / (_FINE_S * _FINE_BINS)
     return np.asarray(bins, dtype=np.float64)
-
-
-def _row_terms(block: Block, q: FloatArray) -> FloatArray:
-    """Return what each row adds to its bin (m, 52); ``q`` (4,) is moved on to the block's last row."""
-    quat = np.empty((len(block.turn), 4))
-    kernels.integrate(block.turn, q, quat)
-    terms = np.empty((len(quat), _TERMS))
-    terms[:, _COUNT] = 1.0
-    terms[:, _FORCE] = qt.rotate(quat, block.acc_g)
-    matrix = qt.to_matrix(quat)
-    jacobian = np.empty((len(quat), 3, 12))
-    jacobian[:, :, :9] = (matrix[:, :, :, None] * block.turn[:, None, None, :]).reshape(-1, 3, 9)
-    jacobian[:, :, 9:] = matrix * block.dt_s[:, None, None]
-    terms[:, _JACOBIAN] = jacobian.reshape(-1, 36)
-    angle = np.linalg.norm(block.turn, axis=1)
-    share = block.turn / np.sqrt(np.where(angle > 0.0, angle, 1.0))[:, None]
-    terms[:, _SPUN] = (share[:, :, None] * share[:, None, :]).reshape(-1, 9)
-    rate = block.turn / np.where(block.dt_s > 0.0, block.dt_s, np.inf)[:, None]
-    terms[:, _RATE] = qt.rotate(quat, rate)
-    return terms
 
 
 def _fit(found: _Equations, known: FloatArray, prior: FloatArray) -> tuple[FloatArray, FloatArray]:
