@@ -225,13 +225,14 @@ class _LiveFit:
 
     def refit(self, results: "Results", survey: Survey) -> "tuple[Survey, FitPreview]":
         """Return the fitted keyframes, with the survey that they are of; called by one worker at a time."""
-        from processing.position.fitting import refit
-        from processing.position.registry import problem_of
+        from processing.position.fitting import prepare, refit
 
         assert results.reckoned is not None
         key = replace(survey, tie_points=())
         if self._problem is None or key != self._key:
-            self._problem, self._key = problem_of(results.reckoned, survey, results.settings.position), key
+            # the evidence is that of the last processing: a bend is not looked for while a hand moves
+            reckoned, settings = results.reckoned, results.settings.position
+            self._problem, self._key = prepare(reckoned.odometry, survey, reckoned.evidence, settings), key
         return survey, refit(self._problem, survey, results.settings.position)
 
 

@@ -18,9 +18,11 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.importing.folder import ImportOptions, import_folder
 from processing.orientation.calibration import Calibration
 from processing.orientation.registry import estimate_attitude
+from processing.position.evidence import Evidence
 from processing.position.fit_results import Fitted
-from processing.position.fitting import fit
-from processing.position.registry import Reckoned, find_reckoned, problem_of
+from processing.position.fitting import fit, prepare
+from processing.position.gathering import gather_on_route
+from processing.position.registry import Reckoned, find_reckoned
 from processing.progress import Progress, silent
 from processing.results import Results
 from processing.settings import ClockSettings, ImportSettings, Settings, digest
@@ -47,7 +49,16 @@ from processing.survey import (
 T = TypeVar("T")
 
 # raised when a step's result changes for the same input, so that old caches are not believed
-VERSIONS = {"recording": 2, "attitude": 5, "odometry": 3, "track": 3, "scan": 1, "clock": 1, "candidates": 1}
+VERSIONS = {
+    "recording": 2,
+    "attitude": 5,
+    "odometry": 3,
+    "evidence": 1,
+    "track": 3,
+    "scan": 1,
+    "clock": 1,
+    "candidates": 1,
+}
 
 FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast
 
@@ -243,19 +254,32 @@ def _path(survey: Survey, imu: ImuSamples, settings: Settings, steps: _Steps, im
         ),
         Reckoned,
     )
-    fitted = steps.cached(
-        "track",
-        digest(reckoned_key, settings.position, survey.pipe, survey.launch, survey.tie_points, survey.route),
-        lambda: fit(
-            problem_of(reckoned, survey, settings.position),
+    known_places = (survey.pipe, survey.launch, survey.tie_points, survey.route)
+    evidence = steps.cached(
+        "evidence",
+        digest(reckoned_key, settings.position, *known_places),
+        lambda: gather_on_route(
+            reckoned.odometry,
             survey,
             settings.position,
-            steps.progress.part(0.48, 0.5, "position_fit"),
+            steps.progress.part(0.48, 0.49, "position_bends"),
+            reckoned.evidence,
+        ),
+        Evidence,
+    )
+    fitted = steps.cached(
+        "track",
+        digest(reckoned_key, settings.position, *known_places),
+        lambda: fit(
+            prepare(reckoned.odometry, survey, evidence, settings.position),
+            survey,
+            settings.position,
+            steps.progress.part(0.49, 0.5, "position_fit"),
         ),
         Fitted,
     )
     _check_speed(fitted.track)
-    return _Path(oriented, reckoned, fitted)
+    return _Path(oriented, replace(reckoned, evidence=evidence), fitted)
 
 
 def _never_heard(track: Track | None, audio: AudioSource | None) -> tuple[Stretch, ...]:

@@ -30,7 +30,7 @@ class Results:
     not_assessed: tuple[Stretch, ...]
     run_hash: str
     timings: dict[str, float]
-    reckoned: Reckoned | None = None  # what the path is fitted from: `problem_of` makes the live fit of it
+    reckoned: Reckoned | None = None  # free path and all evidence: `fitting.prepare` makes the live fit of it
     tie_checks: tuple[TieCheck, ...] = ()
     series: FitSeries | None = None  # the course of the fit's unknowns
     attitude: Attitude | None = None  # at the IMU's rate, memory-mapped where it came from the cache
