@@ -165,9 +165,9 @@ class PositionSettings:
         "1",
         0.0,
         10.0,
-        "of the change between two samples, what integration misses: impacts are where strides err",
+        "of the change between two samples of force or rate, what is not seen: impacts are where strides err",
     )
-    foot_gyr_noise_dps: float = tunable(0.07, "°/√s", 0.0001, 5.0, "twice PyShoe's 0.5 °/s at 200 Hz; least error")
+    foot_gyr_noise_dps: float = tunable(0.02, "°/√s", 0.0001, 5.0, "of smooth motion; 0.01 to 0.035 do alike")
     foot_acc_offset_sigma: float = tunable(0.05, "m/s²", 0.0, 1.0, "consumer MEMS; 0.005 to 0.2 do alike")
     foot_acc_offset_walk: float = tunable(1e-4, "m/s²/√s", 0.0, 0.1, "navigation §6.4")
     foot_gyr_offset_sigma_dps: float = tunable(0.1, "°/s", 0.0, 10.0, "what the orientation step leaves of it")

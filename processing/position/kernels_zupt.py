@@ -197,13 +197,13 @@ def _add_noise(
     phi: cython.double[:, ::1],
     dt: cython.double,
     noise: cython.double[::1],
-    looser: cython.double,
+    looser: cython.double[::1],
 ) -> cython.void:
     r: cython.Py_ssize_t
     c: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    qa: cython.double = noise[0] * noise[0] * looser * looser
-    qg: cython.double = noise[1] * noise[1] * looser * looser
+    qa: cython.double = noise[0] * noise[0] * looser[0] * looser[0]
+    qg: cython.double = noise[1] * noise[1] * looser[1] * looser[1]
     for r in range(3):
         out[r, r] += qa * dt * dt * dt / 3.0
         out[r, 3 + r] += qa * dt * dt / 2.0
@@ -226,10 +226,10 @@ def _add_noise(
 @cython.ccall
 def predict(
     p: cython.double[:, ::1], phi: cython.double[:, ::1], dt: cython.double, noise: cython.double[::1],
-    looser: cython.double, out: cython.double[:, ::1], work: cython.double[:, ::1],
+    looser: cython.double[::1], out: cython.double[:, ::1], work: cython.double[:, ::1],
 ) -> cython.void:  # fmt: skip
     """Put ``Φ P Φᵀ + Q`` in ``out``; ``noise`` holds the densities of acceleration (m/s/√s), rate (rad/√s) and the
-    walks of both offsets; the first two are ``looser`` times as much.
+    walks of both offsets; the first two are ``looser`` (2) times as much.
     """
     r: cython.Py_ssize_t
     c: cython.Py_ssize_t
@@ -352,7 +352,7 @@ def forward(
     acc: cython.double[:, ::1], gyr: cython.double[:, ::1], turn: cython.double[:, ::1],
     step_s: cython.double[::1], nodes: cython.longlong[::1], still_sigma: cython.double[::1],
     rate_sigma: cython.double[::1], yaw: cython.double[::1], yaw_sigma: cython.double[::1],
-    looser: cython.double[::1], gravity: cython.double, noise: cython.double[::1], gate: cython.double,
+    looser: cython.double[:, ::1], gravity: cython.double, noise: cython.double[::1], gate: cython.double,
     x: cython.double[::1], p: cython.double[:, ::1], predicted: cython.double[:, ::1],
     filtered: cython.double[:, ::1], p_predicted: cython.double[:, :, ::1],
     p_filtered: cython.double[:, :, ::1], phis: cython.double[:, :, ::1], nis: cython.double[::1],

@@ -40,7 +40,8 @@ class Inertial:
 @dataclass(frozen=True)
 class Updates:
     """At nodes ``rows`` (m,), rising rows: 1-sigma of zero velocity (m/s), of zero rate (rad/s) and of the heading
-    ``yaw_rad``; 0 where there is none. Before a node the noise is ``looser`` times the usual (a gap in the samples).
+    ``yaw_rad``; 0 where there is none. Before a node the noise of
+    acceleration and rate is ``looser`` (m, 2) times the usual (impacts, a gap in the samples).
     """
 
     rows: IndexArray

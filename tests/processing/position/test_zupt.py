@@ -151,11 +151,13 @@ def test_impacts_loosen_the_filter_by_the_same_factor_in_blocks_as_at_once(monke
     whole = zupt._jolted(imu, index, rows, SETTINGS)
     monkeypatch.setattr(zupt, "BLOCK_ROWS", 501)
     assert np.allclose(zupt._jolted(imu, index, rows, SETTINGS), whole)
-    k = int(np.argmax(whole))
+    k = int(np.argmax(whole[:, 0]))
     step = np.median(np.diff(imu.time_s))
-    change = np.diff(imu.acc_s_mps2[rows[k - 1] : rows[k] + 1], axis=0)
-    lost = SETTINGS.foot_jolt_share**2 * np.sum(change**2) * step / 7.0  # a share of each change, for a sample's time
-    assert whole[k] == pytest.approx(np.sqrt(1.0 + lost / SETTINGS.foot_acc_noise**2), rel=5e-3)
+    usual = (SETTINGS.foot_acc_noise, np.radians(SETTINGS.foot_gyr_noise_dps))
+    for got, values, noise in zip(whole[k], (imu.acc_s_mps2, imu.gyr_s_radps), usual):
+        change = np.diff(values[rows[k - 1] : rows[k] + 1], axis=0)
+        lost = SETTINGS.foot_jolt_share**2 * np.sum(change**2) * step / 7.0  # a share of each, for a sample's time
+        assert got == pytest.approx(np.sqrt(1.0 + lost / noise**2), rel=5e-3)
 
 
 def test_an_absolute_heading_keeps_the_path_from_turning():

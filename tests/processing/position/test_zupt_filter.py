@@ -28,7 +28,7 @@ def updates(count, every, sigma, held=lambda k: True):
     rows = np.arange(0, count, every)
     none = np.zeros(len(rows))
     still = np.array([sigma if held(k) else 0.0 for k in range(len(rows))])
-    return Updates(rows, still, none, none, none, np.ones(len(rows)))
+    return Updates(rows, still, none, none, none, np.ones((len(rows), 2)))
 
 
 def start(velocity=(0.0, 0.0, 0.0), p=1e-6, v=0.1, tilt=1e-8, acc=1e-8, gyr=1e-8):
@@ -222,7 +222,7 @@ def test_the_kernels_say_the_same_compiled_and_not():
         states = [np.zeros((n, 16)) for _ in range(3)]
         squares = [np.zeros((n, 15, 15)) for _ in range(3)]
         out, work, m, d = np.zeros((n, 6, 6)), np.zeros((15, 18)), np.zeros((3, 3)), np.zeros(15)
-        forward.forward(acc, turn * RATE, turn, step, rows.astype(np.int64), still, still, yaw, yaw, np.ones(n), G,
+        forward.forward(acc, turn * RATE, turn, step, rows.astype(np.int64), still, still, yaw, yaw, np.ones((n, 2)), G,
                         np.array([0.1, 0.01, 1e-3, 1e-4]), 16.3, x, p, states[0], states[1], *squares,
                         np.zeros(n), np.zeros((n, 3)), work, m, d, np.zeros(64))  # fmt: skip
         smoother.backward(states[0], states[1], *squares, states[2], out, squares[1][-1].copy(), work,
