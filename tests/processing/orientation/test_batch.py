@@ -1,6 +1,8 @@
 """The batch smoother against closed forms, dense least squares, its own symmetries and BROAD."""
 
+import importlib.util
 from dataclasses import replace
+from pathlib import Path
 
 import broad
 import numpy as np
@@ -27,11 +29,11 @@ def estimate(imu, method="batch", motion=Motion.CARRIED, magnetometer="ignore", 
     return estimate_attitude(imu, survey, OrientationSettings(magnetometer=magnetometer), silent())[0]
 
 
-def sums_of(turn, acc, dt_s, mag=None):
-    row = np.empty((1, kernels_preintegration.ROW_SIZE))
-    nodes, scratch = np.array([0, len(turn) - 1], dtype=np.intp), np.empty(kernels_preintegration.SCRATCH_SIZE)
+def sums_of(turn, acc, dt_s, mag=None, module=kernels_preintegration):
+    row = np.empty((1, module.ROW_SIZE))
+    nodes, scratch = np.array([0, len(turn) - 1], dtype=np.intp), np.empty(module.SCRATCH_SIZE)
     field = np.zeros((0, 3)) if mag is None else mag
-    kernels_preintegration.preintegrate(turn, acc, field, dt_s, nodes, scratch, row)
+    module.preintegrate(turn, acc, field, dt_s, nodes, scratch, row)
     return row[0]
 
 
@@ -56,6 +58,19 @@ def test_the_sums_are_those_of_the_integrated_attitude(readings):
     np.testing.assert_allclose(row[5:8], np.trapezoid(force, dx=0.005, axis=0), rtol=1e-9)
     np.testing.assert_allclose(row[116:119], 0.005 * force[1:].sum(axis=0), rtol=1e-9)
     np.testing.assert_allclose(row[119:122], turn[1:].sum(axis=0), rtol=1e-12)
+
+
+def test_the_uncompiled_source_gives_the_same(readings):
+    if not kernels_preintegration.COMPILED:
+        pytest.skip("the kernels are not compiled here")
+    spec = importlib.util.spec_from_file_location(
+        "uncompiled", Path(qt.__file__).with_name("kernels_preintegration.py")
+    )
+    source = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(source)
+    assert not source.COMPILED
+    turn, acc, dt = readings
+    np.testing.assert_allclose(sums_of(turn, acc, dt, acc, source), sums_of(turn, acc, dt, acc), rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("place", range(12))
