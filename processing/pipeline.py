@@ -54,7 +54,7 @@ VERSIONS = {
     "attitude": 5,
     "odometry": 3,
     "evidence": 1,
-    "track": 3,
+    "track": 4,
     "scan": 1,
     "clock": 1,
     "candidates": 1,

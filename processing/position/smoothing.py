@@ -33,7 +33,7 @@ from processing.survey import FloatArray
 TURNS = 20
 _STILL_M = 1e-3
 _OPEN_SCALE = 0.2  # while ties are checked against each other, the radius has no say
-_USUAL, _ROUGH, _QUIET = Levels(), Levels(9.0, 4.0), Levels(1.0, 0.04)
+_USUAL, _ROUGH, _QUIET = Levels(), Levels(9.0, 4.0), Levels(1.0, 0.0144)
 _LINEAR_SHARE = 0.15  # of the way: what a path may miss a place by and still be linear in its heading
 _GROWING_TURNS = 4
 _CHECKING_TURNS = 6
