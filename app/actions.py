@@ -121,7 +121,7 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("mark", N("Actions", "Mark a leak here"), "M", Page.REVIEW, "review.mark_here",
          N("Actions", "Add a candidate at the cursor that the machine missed"), Needs.RESULTS,
          short=N("Actions", "Mark")),
-    _row("tie", N("Actions", "Tie point here"), "T", Page.REVIEW, "ties.add_here",
+    _row("tie", N("Actions", "Tie point here"), "T", Page.REVIEW, "path.ties.add_here",
          N("Actions", "Add a tie point at the cursor: a place the device is known to have passed then"), Needs.RESULTS),
     # playback
     _row("play", N("Actions", "Play or pause"), "Space", Page.PLAY, "player.toggle",

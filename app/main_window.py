@@ -23,22 +23,20 @@ from PySide6.QtWidgets import (
 
 from app import actions, appearance
 from app.actions import ACTIONS, PAGE_TITLES, Needs, Page
-from app.comparison_control import ComparisonControl
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.files_control import FilesControl
 from app.help_control import HelpControl
 from app.jobs import Job, Jobs
 from app.methods import methods
+from app.path_controls import PathControls
 from app.player import Player
-from app.quality_control import QualityControl
 from app.report_control import ReportControl
 from app.review_control import ReviewControl
 from app.review_page import ReviewPage
 from app.route_control import RouteControl
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
-from app.tie_control import TieControl
 from app.window_memory import WindowMemory
 from processing import messages
 from processing.errors import LeaklineError
@@ -84,11 +82,7 @@ class MainWindow(QMainWindow):
         self.files = FilesControl(
             self._session, services.jobs, self._preferences, self.data_page, lambda: self.boxes, self
         )
-        self.comparison = ComparisonControl(
-            self._session, services.jobs, self.review_page.methods, self.review_page.path, language, self
-        )
-        self.quality = QualityControl(self._session, self.review_page.quality, language, self)
-        self.ties = TieControl(self._session, self.review_page, self.review_page.markers, self)
+        self.path = PathControls(self._session, services.jobs, self.review_page, language, self)
         self.route = RouteControl(
             self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
         )
@@ -184,10 +178,8 @@ class MainWindow(QMainWindow):
         self.files.page_asked.connect(self.show_page)
         self.files.told.connect(self._tell)
         self.report.told.connect(self._tell)
-        self.comparison.reprocess_asked.connect(self.files.reprocess)
-        self.review_page.tools.chosen.connect(lambda name: self.quality.set_shown(name == "quality"))
-        self.ties.reprocess_asked.connect(self.files.reprocess)
-        self.ties.failed.connect(self._tell_error)
+        self.path.reprocess_asked.connect(self.files.reprocess)
+        self.path.failed.connect(self._tell_error)
         self.player.failed.connect(self._tell_error)
         self.review_page.band_changed.connect(self.files.change_band)
         self.files.band_settled.connect(self.review_page.spectrogram.set_band)

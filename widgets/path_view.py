@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Decision, FloatArray, Stretch, TiePoint, Track
 from widgets.compared_paths import ComparedLines, ComparedPath
-from widgets.linked_plot import DRAG_PIXELS, ZOOM_STEP
+from widgets.linked_plot import ZOOM_STEP
 from widgets.path_items import BAND_Z, PathLines
 from widgets.path_paint import (
     Labels,
@@ -24,6 +24,7 @@ from widgets.path_paint import (
     paint_scale_bar,
 )
 from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment
+from widgets.plan_mouse import PlanMouse
 from widgets.plan_pins import Pin, PlanPins, ToLocal, name_pins, paint_pins
 from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, plot_item
 from widgets.plot_marks import Marks, Readout
@@ -53,7 +54,6 @@ class PathView(QWidget):
         self._path: ThinnedPath | None = None
         self._route = np.empty((0, 2))
         self._pins = PlanPins()
-        self._pinned: int | None = None  # the tie point under the hand
         self.ties_movable = False
         self._marks = Marks()
         self._stretches: tuple[Stretch, ...] = ()
@@ -64,9 +64,7 @@ class PathView(QWidget):
         self._build()
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor: QPointF | None = None
-        self._pressed: QPointF | None = None
-        self._scale_pressed = self._scale
-        self._dragged = False
+        self._mouse = PlanMouse(self)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -194,7 +192,7 @@ class PathView(QWidget):
         self.invalidate()
 
     def _refit(self) -> None:
-        if self._fitted and self._pinned is None:  # the map stays still under a hand that drags a tie point
+        if self._fitted and not self._mouse.carries:  # the map stays still under a hand that drags a tie point
             self.fit()
         self.invalidate()
 
@@ -217,7 +215,7 @@ class PathView(QWidget):
         place = self._cursor_pixel()
         if (
             place is not None
-            and self._pressed is None
+            and not self._mouse.holds
             and not QRectF(self.rect()).adjusted(8, 8, -8, -8).contains(place)
         ):
             self.centre_on(*self._scale.metres(place.x(), place.y()))
@@ -319,59 +317,43 @@ class PathView(QWidget):
         self._scale = PlanScale(self._scale.centre_m, self._scale.pixels_per_m, size)
         self._refit()
 
+    def movable_tie_at(self, place: QPointF) -> int | None:
+        """Return the number of the tie point under a pixel, where tie points may be moved."""
+        return self._pins.at(place, self._scale) if self.ties_movable else None
+
+    def pan_to(self, scale: PlanScale) -> None:
+        """Show another part of the map, by hand: it no longer follows what there is to show."""
+        self._fitted = False
+        self._set_scale(scale)
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin a click or a pan."""
+        """Begin a click, a pan, or the drag of a tie point."""
         if event.button() is not Qt.MouseButton.LeftButton:
             super().mousePressEvent(event)
             return
-        self._pressed, self._scale_pressed, self._dragged = event.position(), self._scale, False
-        on_candidate = self.candidate_at(event.position()) is not None
-        self._pinned = self._pins.at(event.position(), self._scale) if self.ties_movable and not on_candidate else None
+        self._mouse.press(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Pan, and say what lies under the mouse."""
+        """Pan or drag, and say what lies under the mouse."""
         place = event.position()
-        if self._pressed is not None:
-            self._dragged = self._dragged or math.dist(place.toTuple(), self._pressed.toTuple()) >= DRAG_PIXELS
-            if self._dragged and self._pinned is not None:
-                self.tie_dragged.emit(self._pinned, *self._scale.metres(place.x(), place.y()))
-            elif self._dragged:
-                self._fitted = False
-                by = place - self._pressed
-                self._set_scale(self._scale_pressed.moved(by.x(), by.y()))
+        if self._mouse.holds:
+            self._mouse.move(place)
             return
-        self._show_hand(place)
+        self.setCursor(self._mouse.shape_over(place))
         east, north = self._scale.metres(place.x(), place.y())
         self.pointed.emit(Readout(None, None, (east, north, math.nan)))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End a pan; without one it was a click."""
+        """End a pan or a drag; without one it was a click."""
         if event.button() is not Qt.MouseButton.LeftButton:
             super().mouseReleaseEvent(event)
-            return
-        clicked, pinned = self._pressed is not None and not self._dragged, self._pinned
-        moved = self._pressed is not None and self._dragged
-        self._pressed = self._pinned = None
-        if moved and pinned is not None:
-            self.tie_dropped.emit(pinned, *self._scale.metres(event.position().x(), event.position().y()))
-            self.tie_drag_ended.emit()
-        if clicked:
+        elif self._mouse.release(event.position()):
             self._click(event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Escape puts a tie point back that is being dragged."""
-        if event.key() == Qt.Key.Key_Escape and self._pinned is not None:
-            self._pressed = self._pinned = None
-            self.tie_drag_ended.emit()
-            return
-        super().keyPressEvent(event)
-
-    def _show_hand(self, place: QPointF) -> None:
-        over = self.candidate_at(place) is not None
-        shape = Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor
-        if not over and self.ties_movable and self._pins.at(place, self._scale) is not None:
-            shape = Qt.CursorShape.OpenHandCursor
-        self.setCursor(shape)
+        if event.key() != Qt.Key.Key_Escape or not self._mouse.escape():
+            super().keyPressEvent(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Show everything."""
@@ -381,8 +363,7 @@ class PathView(QWidget):
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom about the mouse."""
         place = event.position()
-        self._fitted = False
-        self._set_scale(self._scale.zoomed(ZOOM_STEP ** (-event.angleDelta().y() / 120.0), place.x(), place.y()))
+        self.pan_to(self._scale.zoomed(ZOOM_STEP ** (-event.angleDelta().y() / 120.0), place.x(), place.y()))
         event.accept()
 
     def leaveEvent(self, event: QEvent) -> None:

@@ -34,14 +34,16 @@ def test_a_result_comes_back_on_the_gui_thread(qtbot, jobs):
 
 
 def test_progress_carries_fraction_and_phrase(qtbot, jobs):
-    told = []
+    told, connected = [], threading.Event()
 
     def step(progress):
+        connected.wait()
         progress.update(0.25, "importing")
         progress.update(0.75, "position")
 
     job = jobs.start(step, title="work")
     job.reported.connect(lambda fraction, phrase: told.append((fraction, phrase)))
+    connected.set()
     qtbot.waitUntil(lambda: not jobs.running)
     assert told == [(0.25, "importing"), (0.75, "position")]
 
