@@ -16,8 +16,11 @@ from processing.settings import PositionSettings
 from processing.survey import Finding, FloatArray, Severity, Survey
 
 _SHORTEST_M = 3.0
-_BASELINES_M = (20.0, 12.0, 8.0, 5.0)
+_BASELINES_M = (20.0, 12.0, 8.0, 5.0, 3.0)
 _FITS_M = 0.02  # rms; a pipe bend within the baseline leaves ten times as much
+_BEND_M = 0.05  # rms over some baseline: no ball weaves so widely, the pipe itself turns soon after the launch
+_BEFORE_BEND_M = (2.0, 1.2, 0.8, 0.5, 0.3)
+_STRAIGHT = 0.003  # rms of a straight piece by its length
 _UNKNOWN_RAD = float(np.pi / np.sqrt(3.0))  # the sigma of a heading that may be anything
 
 
@@ -71,24 +74,43 @@ def initial_direction(odometry: Odometry) -> float | None:
     """Return the yaw (rad) in which the free path sets out; None where the device never left.
 
     A parabola through the launch is laid over the first metres, over as many as it fits: sway and weaving average out,
-    a gentle bend does not count.
+    a gentle bend does not count. Where the pipe turns right after the launch, the piece before the bend counts alone.
     """
     total = float(odometry.chainage_m[-1])
     if total < 0.5:
         return None
+    fits = [_first_metres(odometry, b) for b in _BASELINES_M if b < 0.3 * total]
+    for fit in fits:
+        if fit.rms_m < _FITS_M:
+            return fit.direction_rad
+    if max((fit.rms_m for fit in fits), default=0.0) > _BEND_M:
+        for baseline in _BEFORE_BEND_M:
+            fit = _first_metres(odometry, baseline)
+            if fit.rms_m < _STRAIGHT * baseline:
+                return fit.direction_rad
+    return _first_metres(odometry, min(_SHORTEST_M, 0.1 * total)).chord_rad
+
+
+@dataclass(frozen=True)
+class _FirstMetres:
+    """The first metres as a parabola: its direction at the launch, that of its chord, and what it leaves."""
+
+    direction_rad: float
+    chord_rad: float
+    rms_m: float
+
+
+def _first_metres(odometry: Odometry, baseline_m: float) -> _FirstMetres:
     distinct, first = np.unique(odometry.chainage_m, return_index=True)
-    for baseline in (*(b for b in _BASELINES_M if b < 0.3 * total), min(_SHORTEST_M, 0.1 * total)):
-        at = np.linspace(0.0, baseline, 100)
-        east, north = (np.interp(at, distinct, axis[first]) for axis in odometry.position_w_m[:, :2].T)
-        chord = float(np.arctan2(north[-1], east[-1]))
-        along = east * np.cos(chord) + north * np.sin(chord)
-        aside = north * np.cos(chord) - east * np.sin(chord)
-        basis = np.column_stack([along, along**2])
-        (slope, bend), *_ = np.linalg.lstsq(basis, aside, rcond=None)
-        left = aside - basis @ np.array([slope, bend])
-        if float(np.sqrt(np.mean(left**2))) < _FITS_M:
-            return chord + float(np.arctan(slope))
-    return chord
+    at = np.linspace(0.0, baseline_m, 100)
+    east, north = (np.interp(at, distinct, axis[first]) for axis in odometry.position_w_m[:, :2].T)
+    chord = float(np.arctan2(north[-1], east[-1]))
+    along = east * np.cos(chord) + north * np.sin(chord)
+    aside = north * np.cos(chord) - east * np.sin(chord)
+    basis = np.column_stack([along, along**2])
+    (slope, bend), *_ = np.linalg.lstsq(basis, aside, rcond=None)
+    left = aside - basis @ np.array([slope, bend])
+    return _FirstMetres(chord + float(np.arctan(slope)), chord, float(np.sqrt(np.mean(left**2))))
 
 
 def route_turn(route: RouteLine, chainage_m: FloatArray, free_m: FloatArray) -> FloatArray:
