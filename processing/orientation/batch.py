@@ -78,7 +78,7 @@ def _piece(
     read = read_sums(sums, np.diff(block.time_s[at]), resting, with_field=len(block.mag) > 0)
     dip = 0.0 if samples.field is None else samples.field.dip_rad
     off = np.clip(gravity / STANDARD_GRAVITY_MPS2, 1.0 - _GRAVITY_SHARE, 1.0 + _GRAVITY_SHARE)
-    nodes = smooth(read, first[at], Around(float(gravity / off), dip, samples.rolling_radius_m))
+    nodes = smooth(read, first[at], Around(float(gravity / off), dip, samples.rolling_radius_m, samples.earth_up_radps))
     return _between(block, at, nodes)
 
 

@@ -104,6 +104,7 @@ class Around:
     gravity_mps2: float
     dip_rad: float = 0.0
     radius_m: tuple[float, float] | None = None  # None: it does not roll
+    earth_up_radps: float = 0.0  # the part of Earth's rotation about the vertical, where the latitude is known
 
 
 def smooth(sums: Sums, quat_ws: FloatArray, around: Around) -> Nodes:
@@ -120,8 +121,8 @@ def smooth(sums: Sums, quat_ws: FloatArray, around: Around) -> Nodes:
     for width in (*_WIDE, 1.0, 1.0):
         equations = NormalEquations(len(quat_ws))
         _priors(equations, sums, nodes, before, around.radius_m[1] if around.radius_m else 1.0)
-        _chain(equations, sums, nodes, around.gravity_mps2)
-        _rests(equations, sums, nodes)
+        _chain(equations, sums, nodes, around)
+        _rests(equations, sums, nodes, around.earth_up_radps)
         if around.radius_m is None:
             weight = _per_node(sums.duration_s) / (_VELOCITY_LASTS_S * speed**2)
             equations.add_at_nodes(VELOCITY, nodes.velocity_mps, weight)
@@ -169,7 +170,7 @@ def _priors(equations: NormalEquations, sums: Sums, nodes: Nodes, before: FloatA
     equations.add(np.zeros_like(held), held, _of_node(len(held), TURN))
 
 
-def _chain(equations: NormalEquations, sums: Sums, nodes: Nodes, gravity_mps2: float) -> None:
+def _chain(equations: NormalEquations, sums: Sums, nodes: Nodes, around: Around) -> None:
     """Add what leads from node to node: turn, velocity and the wandering offset."""
     k = len(sums.duration_s)
     R = qt.to_matrix(nodes.quat_ws[:-1])
@@ -178,6 +179,7 @@ def _chain(equations: NormalEquations, sums: Sums, nodes: Nodes, gravity_mps2: f
     own = np.matmul(sums.turn_by_gyro, gyro[:, :, None])[:, :, 0]
     led = qt.multiply(qt.multiply(nodes.quat_ws[:-1], qt.exp_map(own)), sums.turn_q)
     error = qt.log_map(qt.multiply(nodes.quat_ws[1:], qt.conjugate(led)))
+    error[:, 2] += around.earth_up_radps * sums.duration_s  # the gyro feels the ground turn, which stands still to us
     turn_w = R @ sums.turn_by_gyro
     constants = np.zeros((k, 3, CONSTANTS))
     constants[:, :, GYRO] = -turn_w[:, :, 3:]
@@ -191,7 +193,7 @@ def _chain(equations: NormalEquations, sums: Sums, nodes: Nodes, gravity_mps2: f
     gained_s = gained_s + sums.gained_by_acc @ nodes.constants[ACC]
     gained = (R @ gained_s[:, :, None])[:, :, 0]
     error = nodes.velocity_mps[1:] - nodes.velocity_mps[:-1] - gained
-    error[:, 2] += gravity_mps2 * sums.duration_s
+    error[:, 2] += around.gravity_mps2 * sums.duration_s
     gained_w = R @ sums.gained_by_gyro
     constants = np.zeros((k, 3, CONSTANTS))
     constants[:, :, GYRO] = -gained_w[:, :, 3:]
@@ -207,12 +209,13 @@ def _chain(equations: NormalEquations, sums: Sums, nodes: Nodes, gravity_mps2: f
     equations.add(error, weight, -_of_node(k, OFFSET), _of_node(k, OFFSET))
 
 
-def _rests(equations: NormalEquations, sums: Sums, nodes: Nodes) -> None:
+def _rests(equations: NormalEquations, sums: Sums, nodes: Nodes, earth_up_radps: float) -> None:
     equations.add_at_nodes(VELOCITY, nodes.velocity_mps, np.where(sums.resting, 1.0 / _REST_MPS**2, 0.0))
     between = sums.resting[:-1] & sums.resting[1:]
     weight = np.where(between, sums.duration_s / _REST_RATE_RADPS_RTHZ**2, 0.0)
     k = len(weight)
-    equations.add(nodes.offset_radps[:-1] - sums.rate_s_radps, weight, _of_node(k, OFFSET))
+    earth_s = qt.rotate_inverse(nodes.quat_ws[:-1], np.array([0.0, 0.0, earth_up_radps]))
+    equations.add(nodes.offset_radps[:-1] + earth_s - sums.rate_s_radps, weight, _of_node(k, OFFSET))
 
 
 def _rolling(equations: NormalEquations, sums: Sums, nodes: Nodes) -> None:

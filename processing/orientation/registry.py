@@ -38,6 +38,7 @@ from processing.survey import Attitude, Finding, FloatArray, ImuSamples, Motion,
 
 Function = Callable[[TrustedSamples, float, Progress], Estimate]
 _KERNELS = (kernels, kernels_ekf7, kernels_ekf_gd, kernels_eskf, kernels_preintegration, kernels_ukf)
+_EARTH_RADPS = 7.292115e-5  # WGS 84
 _log = logging.getLogger(__name__)
 
 
@@ -113,6 +114,9 @@ def estimate_attitude(
     samples = trusted_samples(imu, calibration, settings, verdict.field if chosen.uses_field else None)
     if survey.device.motion is Motion.ROLLING:
         samples = replace(samples, rolling_radius_m=_rolling_radius(survey.device.radius_m))
+    if survey.launch.latitude is not None:
+        earth_up = _EARTH_RADPS * float(np.sin(np.radians(survey.launch.latitude)))
+        samples = replace(samples, earth_up_radps=earth_up)
     found += _sensor_findings(samples, chosen, verdict)
     if not all(k.COMPILED for k in _KERNELS) and len(imu.time_s) > BLOCK_ROWS:
         _log.info(

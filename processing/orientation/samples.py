@@ -52,6 +52,7 @@ class TrustedSamples:
     segments: tuple[tuple[int, int], ...]  # (start, stop) in trusted rows
     period_s: float
     rolling_radius_m: tuple[float, float] | None = None  # of a ball that rolls, ± 1 sigma
+    earth_up_radps: float = 0.0  # Earth's rotation about the vertical, 0 where the latitude is unknown
 
     @property
     def count(self) -> int:

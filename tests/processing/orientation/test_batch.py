@@ -17,7 +17,7 @@ from processing.orientation.batch_equations import CONSTANTS, NODE, TURN, Normal
 from processing.orientation.registry import estimate_attitude
 from processing.progress import silent
 from processing.settings import OrientationSettings
-from processing.survey import DeviceInfo, Motion, ProcessingChoice, Survey
+from processing.survey import DeviceInfo, Launch, Motion, ProcessingChoice, Survey
 
 ROWS = 60
 
@@ -225,6 +225,20 @@ def test_a_minute_beside_iron_is_left_aside():
     imu = replace(imu, mag_s_ut=imu.mag_s_ut + beside * qt.rotate_inverse(truth, np.array([15.0, -5.0, 8.0])))
     heading, _ = attitude_error_deg(estimate(imu, magnetometer="use").quat_ws, truth)
     assert np.abs(heading).max() < 1.0
+
+
+def test_where_the_latitude_is_known_the_turning_earth_does_not_turn_the_heading():
+    time_s, truth = swinging(400.0)
+    imu = samples_of(time_s, truth)
+    earth_w = 7.292115e-5 * np.array([0.0, np.cos(np.radians(40.0)), np.sin(np.radians(40.0))])
+    imu = replace(imu, gyr_s_radps=imu.gyr_s_radps + qt.rotate_inverse(truth, earth_w))
+    drift = {}
+    for latitude in (None, 40.0):
+        survey = Survey(device=DeviceInfo(motion=Motion.CARRIED), launch=Launch(latitude=latitude, longitude=29.0))
+        quat = estimate_attitude(imu, survey, OrientationSettings(magnetometer="ignore"), silent())[0].quat_ws
+        drift[latitude] = np.ptp(attitude_error_deg(quat, truth)[0])
+    assert drift[None] > 0.2
+    assert drift[40.0] < 0.5 * drift[None]
 
 
 @pytest.mark.parametrize("radius_m", [0.05, None])
