@@ -9,7 +9,7 @@ it was on its own. The factors on top are those that made 95 % intervals true on
 the filter's own covariance is four times too small).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -80,7 +80,11 @@ def reckon(
     gate = _gate(smoothed.nis)
     if np.any(smoothed.nis > gate):  # stances that the rest of the run finds implausible
         smoothed = run_filter(read, updates, start, noise, gate, progress.part(0.7, 1.0))
-    return _odometry(imu, time_s, still, grid, updates, smoothed, settings, detector, gravity)
+    odometry = _odometry(imu, time_s, still, grid, updates, smoothed, settings, detector, gravity)
+    if survey.device.motion is Motion.FOOT:
+        return odometry
+    # travel at constant speed feels like a standstill; only a foot cannot help standing
+    return replace(odometry, findings=(*odometry.findings, Finding("zupt_not_on_foot", Severity.WARNING)))
 
 
 def _gravity(imu: ImuSamples, index: IndexArray) -> float:

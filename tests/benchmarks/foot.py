@@ -7,7 +7,8 @@
 
 Loop closure on the two walks of gait_tracking; horizontal error against the cameras on constrained_zupt_fgo and on
 gaitmap, on VICON after the alignment of its authors (the first 0.8 m) and after the best rotation and shift; squares,
-circles and stairs of the simulator, root mean square as in P4 and height at the furthest point. No network has seen
+circles and stairs of the simulator, root mean square as in P4 and height at the furthest point, and walks of mixed
+gaits. No network has seen
 any of these but the training sessions of VICON, which stand in their own rows. ``inertial`` is P3's method.
 """
 
@@ -90,12 +91,15 @@ def vicon(folder: Path) -> Iterator[Walk]:
 
 def simulated(runs: int) -> Iterator[Walk]:
     from processing.simulation.run import simulate
-    from processing.simulation.walks import foot_circle, foot_square, foot_stairs
+    from processing.simulation.walks import foot_circle, foot_square, foot_stairs, random_walk
 
     for scenario in (foot_square(), foot_circle(), foot_stairs()):
         for seed in range(runs):
             made = simulate(scenario, seed)
             yield Walk(f"{scenario.name} {seed}", made.imu, made.motion.time_s, made.motion.position_w_m)
+    for seed in range(4 * runs):
+        made = simulate(random_walk(seed), seed)
+        yield Walk(f"random {seed}", made.imu, made.motion.time_s, made.motion.position_w_m)
 
 
 @dataclass(frozen=True)
@@ -204,6 +208,7 @@ def simulations(walks: list[Walk], method: str, settings: PositionSettings, atti
         row(f"  {kind}: rms m, height at top m, end %",
             [float(np.mean([rms(r.aligned, slice(0, 2)) for r in results])), float(np.mean(far)),
              float(np.mean(ends))])  # fmt: skip
+    spread("mixed gaits", [w for w in walks if w.name.startswith("random")], method, settings, attitudes)
 
 
 def main() -> None:

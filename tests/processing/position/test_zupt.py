@@ -109,6 +109,15 @@ def test_a_foot_is_reckoned_by_zero_velocities_and_p3s_method_stays_selectable()
     assert choose_detector(FOOT, replace(SETTINGS, zero_velocity_detector="shoe")) == "shoe"
 
 
+def test_whoever_takes_it_for_a_carried_device_is_warned(square):
+    carried = Survey(device=DeviceInfo(motion=Motion.CARRIED))
+    odometry = reckon(square.imu, attitude_of(square.imu), carried, SETTINGS, silent())
+    assert "zupt_not_on_foot" in {f.code for f in odometry.findings}
+    assert odometry.quality["zero_velocity_detector"] == "butterworth"
+    on_foot = reckon(square.imu, attitude_of(square.imu), FOOT, SETTINGS, silent())
+    assert "zupt_not_on_foot" not in {f.code for f in on_foot.findings}
+
+
 def loop(folder, name):
     table = np.loadtxt(folder / "gait_tracking" / f"{name}.csv", delimiter=",", skiprows=1)
     table = table[np.concatenate([[True], np.diff(table[:, 0]) > 0])]
