@@ -18,6 +18,7 @@ from processing.survey import BoolArray, Channel, Finding, FloatArray, ImuSample
 Rows: TypeAlias = npt.NDArray[np.intp]
 
 BLOCK_ROWS = 200_000  # 5 MB a vector column: large enough to be quick, small enough for hours at 1 kHz
+_CARRY_ON_S = 60.0  # so long a device is taken to have gone on as before; what it did later, nobody knows
 GAP_S = 0.25  # a longer silence of good samples is reported as not assessed; shorter ones are bridged
 
 
@@ -172,6 +173,51 @@ def thinned(odometry: Odometry, rows: Rows) -> Odometry:
         heading_var_rad2=odometry.heading_var_rad2[rows],
         lost_var_m2=None if odometry.lost_var_m2 is None else odometry.lost_var_m2[rows],
         lost_heading_rad2=None if odometry.lost_heading_rad2 is None else odometry.lost_heading_rad2[rows],
+    )
+
+
+def held_back(odometry: Odometry) -> Odometry:
+    """Return the odometry that goes on in a long gap for ``_CARRY_ON_S`` only: hours of it would lead anywhere.
+
+    What the whole gap may have taken stands in the variances that no level of noise scales: the way that was bridged,
+    and any turn.
+    """
+    count = len(odometry.time_s)
+    share, left = np.ones(count - 1), np.ones(count - 1)
+    way, turn = np.zeros(count - 1), np.zeros(count - 1)
+    for stretch in odometry.not_assessed:
+        duration = stretch.end_s - stretch.start_s
+        if stretch.channel is not Channel.PATH or duration <= _CARRY_ON_S:
+            continue
+        inside = in_spans(odometry.time_s, np.array([[stretch.start_s, stretch.end_s]]))
+        bridged = float(np.sum(np.diff(odometry.chainage_m)[inside]))
+        share[inside] = np.minimum(share[inside], _CARRY_ON_S / duration)
+        left[inside] = 0.0
+        way[inside] = bridged**2 / np.count_nonzero(inside)
+        turn[inside] = np.pi**2 / 3.0 / np.count_nonzero(inside) if bridged > 0.0 else 0.0
+    if np.all(share == 1.0):
+        return odometry
+
+    def summed(values: FloatArray, factor: FloatArray) -> FloatArray:
+        step = np.diff(values, axis=0)
+        return np.asarray(values[:1] + cumulated(step * (factor[:, None] if values.ndim == 2 else factor)))
+
+    def lost(values: FloatArray | None, steps: FloatArray) -> FloatArray:
+        own = np.diff(values) if values is not None else np.zeros(count - 1)
+        return cumulated(np.maximum(own, steps) if values is not None else steps)
+
+    return replace(
+        odometry,
+        position_w_m=summed(odometry.position_w_m, share),
+        chainage_m=summed(odometry.chainage_m, share),
+        speed_mps=odometry.speed_mps * np.append(share, share[-1]),
+        along_var_m2=summed(odometry.along_var_m2, left),
+        cross_var_m2=summed(odometry.cross_var_m2, left),
+        up_var_m2=summed(odometry.up_var_m2, np.where(left == 0.0, share, 1.0)),
+        heading_var_rad2=summed(odometry.heading_var_rad2, left),
+        # a method that knows better what a gap costs has said so already: the capped way, say
+        lost_var_m2=odometry.lost_var_m2 if odometry.lost_var_m2 is not None else cumulated(way),
+        lost_heading_rad2=lost(odometry.lost_heading_rad2, turn),
     )
 
 

@@ -9,7 +9,7 @@ from processing.position.evidence import Evidence
 from processing.position.fit_results import Fitted
 from processing.position.fitting import FitProblem, fit, prepare
 from processing.position.gathering import gather, gather_on_route
-from processing.position.odometry import Odometry
+from processing.position.odometry import Odometry, held_back
 from processing.position.tie_checks import TieCheck
 from processing.progress import Progress, silent
 from processing.settings import PositionSettings
@@ -63,7 +63,7 @@ def reckon(
     """Return the free path by the survey's method, before any fit; errors as :func:`choose_method`."""
     name, reason = choose_method(survey)
     odometry = METHODS[name].reckon(imu, attitude, survey, settings, progress)
-    return replace(odometry, method=name, reason=reason, heading_from=attitude.heading_from)
+    return replace(held_back(odometry), method=name, reason=reason, heading_from=attitude.heading_from)
 
 
 def find_reckoned(

@@ -31,7 +31,6 @@ UNKNOWN_RADIUS_SIGMA = 0.5
 _REVERSAL_COS = -0.7  # a pipe turns by less than 135° within a moment; a ball that comes back by 180°
 _CREEP_MPS = 0.01  # slower, the direction of travel is noise
 _LOST_HEADING_RAD = 0.5  # a gap in which the ball turned on loses the heading by about this much
-_CARRY_ON_S = 60.0  # so long a ball is taken to have rolled on as before; what it did later, nobody knows
 _HEIGHT_WALK = 0.1  # m/√m: slopes of 2 % that change every 20 m
 
 Rows: TypeAlias = slice | npt.NDArray[np.intp]
@@ -60,9 +59,8 @@ def reckon(
         # r (ω × ẑ), and its size: the path length has no chords in it
         return radius * np.column_stack([omega_w[:, 1], -omega_w[:, 0], np.hypot(omega_w[:, 0], omega_w[:, 1])])
 
-    bridged = integrate(time_s, rates, grid, lambda done: progress.update(done, "position_reckon"))
+    sums = integrate(time_s, rates, grid, lambda done: progress.update(done, "position_reckon"))
     spans, stretches = gaps(time_s, imu)
-    sums = _held_back(grid, spans, bridged)
     forward = travel(np.diff(sums[:, :2], axis=0), np.diff(sums[:, 2]), np.diff(grid), settings.reverse_max_m)
     chainage = forward.chainage_m
     steps = np.diff(chainage)
@@ -70,7 +68,7 @@ def reckon(
         findings = (*findings, Finding("rolled_back", Severity.INFO, {"metres": forward.back_m}))
     lost = in_spans(grid, spans)
     along = settings.slip_walk**2 * steps
-    lost_way = np.where(lost, _span_variance(grid, spans, bridged[:, 2], survey.pipe.length_m), 0.0)
+    lost_way = np.where(lost, _span_variance(grid, spans, sums[:, 2], survey.pipe.length_m), 0.0)
     moved = np.hypot(*np.diff(sums[:, :2], axis=0).T)
     heading = np.radians(settings.heading_walk) ** 2 * np.diff(grid)
     lost_turn = np.where(lost & (moved > 0.0), _lost_heading(grid, spans), 0.0)
@@ -164,15 +162,6 @@ def _still(
     window = max(round(0.5 / float(np.median(np.diff(time_s)))), 1)
     smooth = uniform_filter1d(energy, window, mode="nearest")
     return np.asarray(smooth < np.radians(settings.rolling_still_dps) ** 2)
-
-
-def _held_back(grid: FloatArray, spans: FloatArray, sums: FloatArray) -> FloatArray:
-    """Take off what a ball would have rolled in a long gap after ``_CARRY_ON_S``: hours of it would lead anywhere."""
-    steps = np.diff(sums, axis=0)
-    for span in spans:
-        if span[1] - span[0] > _CARRY_ON_S:
-            steps[in_spans(grid, span[None, :])] *= _CARRY_ON_S / (span[1] - span[0])
-    return np.asarray(cumulated(steps))
 
 
 def _lost_heading(grid: FloatArray, spans: FloatArray) -> FloatArray:

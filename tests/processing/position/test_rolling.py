@@ -171,6 +171,21 @@ def test_a_gap_is_bridged_reported_and_widens_the_interval():
     assert after > before + 3.0
 
 
+def test_a_gap_of_hours_leads_not_far_and_says_that_nothing_is_known_after_it():
+    run = rolling_run([(5.0, 106.0, 1.0)], 110.0)
+    keep = (run.imu.time_s < 40.0) | (run.imu.time_s > 42.0)
+    late = np.where(run.imu.time_s > 41.0, run.imu.time_s + 3 * 3600.0, run.imu.time_s)[keep]
+    imu = ImuSamples(late, run.imu.acc_s_mps2[keep], run.imu.gyr_s_radps[keep], run.imu.valid[keep])
+    attitude = Attitude(run.attitude.quat_ws[keep], np.zeros(3), "truth")
+    track = find_track(imu, attitude, survey(), SETTINGS)
+    assert 98.0 < track.chainage_m[-1] < 98.0 + 61.0
+    assert track.sigma_along_m[-1] > 3 * 3600.0 * 0.9
+    tied = find_track(imu, attitude, survey(pipe=PipeInfo(length_m=100.0)), SETTINGS)
+    assert tied.chainage_m[-1] == pytest.approx(100.0, abs=0.5)
+    assert tied.sigma_along_m[-1] < 1.0
+    assert np.interp(39.0, tied.time_s, tied.sigma_along_m) < 1.0
+
+
 def test_masked_rows_do_not_count():
     run = rolling_run([(5.0, 106.0, 1.0)], 110.0)
     broken = (run.imu.time_s > 60.0) & (run.imu.time_s < 61.0)
