@@ -25,9 +25,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from processing.orientation import kernels
+from processing.orientation import kernels, kernels_calibration
 from processing.orientation import quaternions as qt
-from processing.orientation.calibration import STANDARD_GRAVITY_MPS2, Calibration, felt_at_arm, slope_of
+from processing.orientation.calibration import STANDARD_GRAVITY_MPS2, Calibration, slope_of
 from processing.orientation.samples import TrustedSamples
 from processing.progress import Progress
 from processing.survey import BoolArray, Finding, FloatArray, Severity
@@ -134,44 +134,27 @@ def _equations(
     samples: TrustedSamples, rows: tuple[int, int], progress: Progress
 ) -> tuple[FloatArray, FloatArray, float, float] | None:
     """Return a spell's normal matrix, right side, sum of squares and number of values; None where it does not roll."""
-    block = samples.block(*rows, first=True)
     progress.update(rows[1] / samples.count, "orientation_calibration")
-    if np.linalg.norm(block.turn, axis=1).sum() < _LEAST_TURN_RAD or np.any(np.diff(block.time_s) > samples.bridge_s):
+    time, rate = samples.times(*rows), samples.rates(*rows)
+    turn = samples.turns(time, rate)
+    if np.linalg.norm(turn, axis=1).sum() < _LEAST_TURN_RAD or np.any(np.diff(time) > samples.bridge_s):
         return None
-    index = samples.index(*rows)
-    acc = np.asarray(samples.imu.acc_s_mps2[index], dtype=np.float64)
-    rate = samples.calibration.corrected(block.time_s, np.asarray(samples.imu.gyr_s_radps[index], dtype=np.float64))
-    slope = slope_of(rate, block.time_s)
+    acc = np.ascontiguousarray(samples.imu.acc_s_mps2[samples.index(*rows)], dtype=np.float64)
     quat = np.empty((len(acc), 4))
-    kernels.integrate(block.turn, np.array(qt.IDENTITY), quat)
-    up_w = qt.rotate(quat, acc).mean(axis=0)
-    size = float(np.linalg.norm(up_w))
-    if size < 0.5 * samples.calibration.gravity_mps2:
-        return None
-    up = qt.rotate_inverse(quat, up_w / size)
+    kernels.integrate(turn, np.array(qt.IDENTITY), quat)
+    up = qt.rotate(quat, acc).mean(axis=0)
+    size = float(np.linalg.norm(up))
     gravity = samples.calibration.gravity_mps2
-    design = np.zeros((len(acc), 3, _UNKNOWNS))
-    for axis in range(3):
-        design[:, axis, 3 * axis : 3 * axis + 3] = gravity * up
-        design[:, axis, 9 + axis] = 1.0
-        unit = np.zeros(3)
-        unit[axis] = 1.0
-        design[:, :, 12 + axis] = felt_at_arm(rate, slope, unit)
-    design[:, :, 15] = np.cross(slope, up)
-    design, force = _without_parabolas(block.time_s, quat, design, acc - gravity * up)
-    return design.T @ design, design.T @ force, float(force @ force), float(len(force))
-
-
-def _without_parabolas(
-    time_s: FloatArray, quat: FloatArray, design: FloatArray, force: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return design (3m, 16) and force (3m,) in the carried frame, less their parabolas of time."""
-    matrix = qt.to_matrix(quat)
-    basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, len(time_s)), 3))
-    turned = np.concatenate([matrix @ design, (matrix @ force[:, :, None])], axis=2).reshape(len(time_s), -1)
-    turned -= basis @ (basis.T @ turned)
-    both = turned.reshape(-1, _UNKNOWNS + 1)
-    return both[:, :-1], both[:, -1]
+    if size < 0.5 * gravity:
+        return None
+    both = np.empty((len(acc), 3, _UNKNOWNS + 1))
+    kernels_calibration.accelerometer_design(acc, rate, slope_of(rate, time), quat, up / size, gravity, both)
+    # less the parabolas of time
+    basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, len(time)), 3))
+    flat = both.reshape(len(time), -1)
+    flat -= basis @ (basis.T @ flat)
+    square = both.reshape(-1, _UNKNOWNS + 1).T @ both.reshape(-1, _UNKNOWNS + 1)
+    return square[:-1, :-1], square[:-1, -1], float(square[-1, -1]), 3.0 * len(acc)
 
 
 def _fit(spells: _Spells, unknowns: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:

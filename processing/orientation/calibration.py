@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from processing.orientation import kernels_samples
 from processing.orientation.rests import Rest, find_rests
 from processing.settings import OrientationSettings
 from processing.survey import Finding, FloatArray, ImuSamples, Launch, Severity
@@ -63,8 +64,10 @@ class Calibration:
 
     def corrected(self, time_s: FloatArray, gyr_s_radps: FloatArray) -> FloatArray:
         """Return angular rates (m, 3) with offset, scale and misalignment taken off."""
-        bias = self.bias_radps[0] if len(self.bias_time_s) == 1 else self.bias_at(time_s)
-        return np.asarray((gyr_s_radps - bias) @ self.gyr_matrix.T, dtype=np.float64)
+        bias_time, bias, matrix = _plain(self.bias_time_s), _plain(self.bias_radps), _plain(self.gyr_matrix)
+        out = np.empty((len(gyr_s_radps), 3))
+        kernels_samples.correct_rates(_plain(time_s), _plain(gyr_s_radps), bias_time, bias, matrix, out)
+        return out
 
     def force(self, acc_s_mps2: FloatArray, gyr_s_radps: FloatArray, time_s: FloatArray) -> FloatArray:
         """Return the specific force (m, 3) at the centre of the device, without the accelerometer's own errors.
@@ -73,10 +76,13 @@ class Calibration:
         """
         if self.acc_basis == "none":
             return acc_s_mps2
-        felt = acc_s_mps2 - self.acc_bias_mps2
+        slope = np.zeros((0, 3))
         if np.any(self.lever_arm_m != 0.0) and len(time_s) > 1:
-            felt = felt - felt_at_arm(gyr_s_radps, slope_of(gyr_s_radps, time_s), self.lever_arm_m)
-        return np.asarray(felt @ np.linalg.inv(self.acc_matrix).T, dtype=np.float64)
+            slope = slope_of(gyr_s_radps, time_s)
+        acc, rate, bias, arm = (_plain(v) for v in (acc_s_mps2, gyr_s_radps, self.acc_bias_mps2, self.lever_arm_m))
+        out = np.empty((len(acc), 3))
+        kernels_samples.correct_force(acc, rate, slope, bias, arm, np.linalg.inv(self.acc_matrix), out)
+        return out
 
 
 def slope_of(rate_radps: FloatArray, time_s: FloatArray) -> FloatArray:
@@ -86,13 +92,14 @@ def slope_of(rate_radps: FloatArray, time_s: FloatArray) -> FloatArray:
     period = float(np.median(np.diff(time_s)))
     width = max(min(round(_SLOPE_S / period), len(time_s)), 1) if period > 0.0 else 1
     smooth = uniform_filter1d(rate_radps, width | 1, axis=0, mode="nearest")
-    return np.asarray(np.gradient(smooth, time_s, axis=0), dtype=np.float64)
+    out = np.empty((len(smooth), 3))
+    kernels_samples.slopes(_plain(smooth), _plain(time_s), out)
+    return out
 
 
-def felt_at_arm(rate_radps: FloatArray, slope_radps2: FloatArray, arm_m: FloatArray) -> FloatArray:
-    """Return ``ω̇ × l + ω × (ω × l)`` (m, 3): what a sensor off the centre feels of the turning."""
-    outward = np.cross(rate_radps, np.cross(rate_radps, arm_m))
-    return np.asarray(np.cross(slope_radps2, arm_m) + outward, dtype=np.float64)
+def _plain(values: FloatArray) -> FloatArray:
+    """Return the same numbers as the kernels read them: float64, row by row."""
+    return np.ascontiguousarray(values, dtype=np.float64)
 
 
 def calibrate(imu: ImuSamples, settings: OrientationSettings) -> Calibration:

@@ -134,3 +134,70 @@ def add_rolling(
                 sums[p, 46] += tx * tz / angle
                 sums[p, 47] += ty * tz / angle
                 sums[p, 48] += tz * tz / angle
+
+
+def accelerometer_design(
+    acc: cython.const[cython.double][:, ::1],
+    rate: cython.const[cython.double][:, ::1],
+    slope: cython.const[cython.double][:, ::1],
+    quat: cython.const[cython.double][:, ::1],
+    up: cython.const[cython.double][::1],
+    gravity: cython.double,
+    out: cython.double[:, :, ::1],
+) -> None:
+    """Put what the accelerometer's errors make of each row, and the row itself, into ``out`` (n, 3, 17).
+
+    All in the frame that ``quat`` (n, 4) leads to, where ``up`` (3,) is constant. Columns: scale and misalignment (9,
+    row by row), offset (3), arm (3), rolling radius, and last the force ``acc`` (n, 3) less ``gravity`` along up.
+    ``rate`` ω and ``slope`` ω̇ (n, 3) are those of the sensor's frame.
+    """
+    n: cython.Py_ssize_t = acc.shape[0]
+    k: cython.Py_ssize_t
+    a: cython.Py_ssize_t
+    with cython.nogil:
+        for k in range(n):
+            w: cython.double = quat[k, 0]
+            x: cython.double = quat[k, 1]
+            y: cython.double = quat[k, 2]
+            z: cython.double = quat[k, 3]
+            out[k, 0, 9] = 1.0 - 2.0 * (y * y + z * z)
+            out[k, 0, 10] = 2.0 * (x * y - w * z)
+            out[k, 0, 11] = 2.0 * (x * z + w * y)
+            out[k, 1, 9] = 2.0 * (x * y + w * z)
+            out[k, 1, 10] = 1.0 - 2.0 * (x * x + z * z)
+            out[k, 1, 11] = 2.0 * (y * z - w * x)
+            out[k, 2, 9] = 2.0 * (x * z - w * y)
+            out[k, 2, 10] = 2.0 * (y * z + w * x)
+            out[k, 2, 11] = 1.0 - 2.0 * (x * x + y * y)
+            ux: cython.double = out[k, 0, 9] * up[0] + out[k, 1, 9] * up[1] + out[k, 2, 9] * up[2]
+            uy: cython.double = out[k, 0, 10] * up[0] + out[k, 1, 10] * up[1] + out[k, 2, 10] * up[2]
+            uz: cython.double = out[k, 0, 11] * up[0] + out[k, 1, 11] * up[1] + out[k, 2, 11] * up[2]
+            px: cython.double = rate[k, 0]
+            py: cython.double = rate[k, 1]
+            pz: cython.double = rate[k, 2]
+            sx: cython.double = slope[k, 0]
+            sy: cython.double = slope[k, 1]
+            sz: cython.double = slope[k, 2]
+            # ω̇ × u
+            tx: cython.double = sy * uz - sz * uy
+            ty: cython.double = sz * ux - sx * uz
+            tz: cython.double = sx * uy - sy * ux
+            for a in range(3):
+                rx: cython.double = out[k, a, 9]
+                ry: cython.double = out[k, a, 10]
+                rz: cython.double = out[k, a, 11]
+                out[k, a, 0] = gravity * rx * ux
+                out[k, a, 1] = gravity * rx * uy
+                out[k, a, 2] = gravity * rx * uz
+                out[k, a, 3] = gravity * ry * ux
+                out[k, a, 4] = gravity * ry * uy
+                out[k, a, 5] = gravity * ry * uz
+                out[k, a, 6] = gravity * rz * ux
+                out[k, a, 7] = gravity * rz * uy
+                out[k, a, 8] = gravity * rz * uz
+                # R ([ω̇]× + [ω]×²), column by column
+                out[k, a, 12] = rx * (-py * py - pz * pz) + ry * (sz + px * py) + rz * (px * pz - sy)
+                out[k, a, 13] = rx * (px * py - sz) + ry * (-px * px - pz * pz) + rz * (sx + py * pz)
+                out[k, a, 14] = rx * (sy + px * pz) + ry * (py * pz - sx) + rz * (-px * px - py * py)
+                out[k, a, 15] = rx * tx + ry * ty + rz * tz
+                out[k, a, 16] = rx * acc[k, 0] + ry * acc[k, 1] + rz * acc[k, 2] - gravity * up[a]

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from processing.errors import ErrorCode, LeaklineError
+from processing.orientation import kernels_samples
 from processing.orientation.calibration import Calibration
 from processing.orientation.magnetometer import FieldReference
 from processing.settings import OrientationSettings
@@ -70,30 +71,37 @@ class TrustedSamples:
     def block(self, start: int, stop: int, *, first: bool) -> Block:
         """Return rows ``start``..``stop``; ``first`` when row ``start`` begins a segment, so nothing leads up to it."""
         before = start if first else start - 1
-        index = self.index(before, stop)
-        time = np.asarray(self.imu.time_s[index], dtype=np.float64)
-        gyr = self.calibration.corrected(time, np.asarray(self.imu.gyr_s_radps[index], dtype=np.float64))
-        gap = np.diff(time)
-        turn = self._turns(gyr, gap[:, None])
-        turn[gap > self.bridge_s] = 0.0
-        if first:
-            turn, gap = np.vstack([np.zeros((1, 3)), turn]), np.concatenate([[0.0], gap])
-        inner = slice(0 if first else 1, None)
-        force = self.calibration.force(np.asarray(self.imu.acc_s_mps2[index], dtype=np.float64), gyr, time)
+        index, inner = self.index(before, stop), slice(0 if first else 1, None)
+        time = self.times(before, stop)
+        rate = self.rates(before, stop)
+        force = self.calibration.force(np.asarray(self.imu.acc_s_mps2[index], dtype=np.float64), rate, time)
         acc = np.ascontiguousarray(force[inner] / self.calibration.gravity_mps2)
-        deviation = (np.linalg.norm(acc, axis=1) - 1.0) / self.settings.acc_deviation_g
+        weight = np.empty(len(acc))
+        kernels_samples.gravity_weights(acc, self.settings.acc_deviation_g, weight)
         mag, mag_weight = self._field(index, inner)
         return Block(
             start=start,
             stop=stop,
             time_s=time[inner],
-            dt_s=np.minimum(gap, self.bridge_s),
-            turn=np.ascontiguousarray(turn),
+            dt_s=np.minimum(np.diff(time, prepend=time[:1] if first else time[:0]), self.bridge_s),
+            turn=self.turns(time, rate)[inner],
             acc_g=acc,
-            acc_weight=1.0 / (1.0 + deviation * deviation),
+            acc_weight=weight,
             mag=mag,
             mag_weight=mag_weight,
         )
+
+    def rates(self, start: int, stop: int) -> FloatArray:
+        """Return the calibrated rates (m, 3) of trusted rows."""
+        gyr = np.asarray(self.imu.gyr_s_radps[self.index(start, stop)], dtype=np.float64)
+        return self.calibration.corrected(self.times(start, stop), gyr)
+
+    def turns(self, time_s: FloatArray, rate_radps: FloatArray) -> FloatArray:
+        """Return the turns (m, 3) since the row before, 0 at the first, of calibrated rates (m, 3) at times (m,)."""
+        out = np.zeros((len(time_s), 3))
+        of_interval = self.settings.rate_stands_for == "interval"
+        kernels_samples.turns(rate_radps, np.ascontiguousarray(time_s), of_interval, self.period_s, self.bridge_s, out)
+        return out
 
     def blocks(self, segment: tuple[int, int]) -> Iterator[Block]:
         """Yield a segment's rows in order, block by block."""
@@ -104,13 +112,6 @@ class TrustedSamples:
     def bridge_s(self) -> float:
         """The longest hole over which the turn is interpolated; a slow logger's plain sample period is none."""
         return max(self.settings.bridge_s, 2.5 * self.period_s)
-
-    def _turns(self, gyr: FloatArray, gap_s: FloatArray) -> FloatArray:
-        if self.settings.rate_stands_for == "interval":
-            # a rate tells of its own period; of the hole before it the rates on both sides tell
-            own = np.where(gap_s > 1.5 * self.period_s, self.period_s, gap_s)
-            return gyr[1:] * own + 0.5 * (gyr[:-1] + gyr[1:]) * (gap_s - own)
-        return 0.5 * (gyr[:-1] + gyr[1:]) * gap_s + np.cross(gyr[:-1], gyr[1:]) * (gap_s * gap_s / 12.0)
 
     def _field(self, index: "slice | IndexArray", inner: slice) -> tuple[FloatArray, FloatArray]:
         if self.field is None or self.imu.mag_s_ut is None:
