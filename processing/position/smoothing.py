@@ -32,6 +32,7 @@ from processing.survey import FloatArray
 
 TURNS = 20
 _STILL_M = 1e-3
+_NEARLY_STILL_M = 0.03  # good enough to see what disagrees
 _OPEN_SCALE = 0.2  # while ties are checked against each other, the radius has no say
 _USUAL, _ROUGH, _QUIET = Levels(), Levels(9.0, 4.0), Levels(1.0, 0.0144)
 _LINEAR_SHARE = 0.15  # of the way: what a path may miss a place by and still be linear in its heading
@@ -72,7 +73,7 @@ def settle(
     tick(0.3)
     nominal, held = _held_down(smoother, nominal, factors.items, settings)
     tick(0.6)
-    nominal, turns = smoother.around(held, nominal, Levels())
+    turns = 1
     model = smoother.model(nominal)
     read = readings_of(held, factors.copies.size)
     weighed = weigh(lambda levels: log_likelihood(smoother.chain(model, levels), read.readings))
@@ -128,7 +129,7 @@ class _Smoother:
             new = next_nominal(self.frames, nominal, self.shorter, model, mean)
             moved = float(np.max(np.abs(new.place_m - nominal.place_m)))
             nominal = new
-            if moved < _STILL_M:
+            if moved < (_STILL_M if most == TURNS else _NEARLY_STILL_M):
                 return nominal, turn
         return nominal, most
 
