@@ -54,7 +54,7 @@ VERSIONS = {
     "attitude": 6,
     "odometry": 3,
     "evidence": 1,
-    "track": 5,
+    "track": 6,
     "scan": 1,
     "clock": 1,
     "candidates": 1,

@@ -17,7 +17,7 @@ from processing.survey import FloatArray
 
 SLIP_FACTORS = np.array([0.3, 0.45, 0.67, 1.0, 1.5, 2.25, 3.4, 5.0])
 HEADING_FACTORS = np.array([0.06, 0.12, 0.25, 0.5, 1.0, 2.0, 4.0])
-SLIP_MEDIAN = 0.85
+SLIP_MEDIAN = 0.78
 SLIP_SPREAD = 0.555  # sigma of the logarithm (navigation §4.4: 0.171 / 0.084 at the 90th percentile)
 _HEADING_MEDIAN = 0.5
 _HEADING_SPREAD = 1.0

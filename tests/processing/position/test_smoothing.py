@@ -323,4 +323,4 @@ def test_without_any_likelihood_the_levels_are_the_priors():
     assert slips == sorted(slips)
     # the mean of a log-normal variance factor: median² e^(2 spread²), cut at the table's ends
     mean = sum(w.weight * w.levels.slip for w in weighed)
-    assert mean == pytest.approx(0.85**2 * np.exp(2.0 * 0.555**2), rel=0.2)
+    assert mean == pytest.approx(0.78**2 * np.exp(2.0 * 0.555**2), rel=0.2)
