@@ -51,7 +51,7 @@ T = TypeVar("T")
 # raised when a step's result changes for the same input, so that old caches are not believed
 VERSIONS = {
     "recording": 2,
-    "attitude": 6,
+    "attitude": 7,
     "odometry": 3,
     "evidence": 1,
     "track": 6,

@@ -78,6 +78,13 @@ def offline_vqf(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> 
     return Estimate(quat, bias)
 
 
+def six_axes(block: Block, period_s: float) -> FloatArray:
+    """Return offline VQF's attitude (m, 4) of a block without its field; the yaw begins at 0."""
+    from vqf import offlineVQF
+
+    return np.asarray(offlineVQF(block.turn / period_s, block.acc_g * 9.81, None, period_s)["quat6D"], dtype=np.float64)
+
+
 def offline_vqf_without_field(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimate:
     """Return :func:`offline_vqf` with six axes, whatever the magnetometer says."""
     return offline_vqf(replace(samples, field=None), yaw_rad, progress)
