@@ -201,7 +201,7 @@ class ImuSamples:
     @property
     def sample_rate_hz(self) -> float:
         """The median sample rate."""
-        return float(1.0 / np.median(np.diff(self.time_s)))
+        return float(1.0 / np.median(np.diff(self.time_s), overwrite_input=True))
 
     @property
     def duration_s(self) -> float:

@@ -201,3 +201,27 @@ def accelerometer_design(
                 out[k, a, 14] = rx * (sy + px * pz) + ry * (py * pz - sx) + rz * (-px * px - py * py)
                 out[k, a, 15] = rx * tx + ry * ty + rz * tz
                 out[k, a, 16] = rx * acc[k, 0] + ry * acc[k, 1] + rz * acc[k, 2] - gravity * up[a]
+
+
+def add_moments(
+    acc: cython.const[cython.double][:, ::1],
+    gyr: cython.const[cython.double][:, ::1],
+    place: cython.const[cython.Py_ssize_t][::1],
+    sums: cython.double[:, ::1],
+) -> None:
+    """Add rows (n, 3), (n, 3) to ``sums`` (k, 13), row i to the bin ``place[i]``.
+
+    Columns: number of rows, acceleration (3) and rate (3), and the squares of these six.
+    """
+    k: cython.Py_ssize_t
+    p: cython.Py_ssize_t
+    a: cython.Py_ssize_t
+    with cython.nogil:
+        for k in range(acc.shape[0]):
+            p = place[k]
+            sums[p, 0] += 1.0
+            for a in range(3):
+                sums[p, 1 + a] += acc[k, a]
+                sums[p, 4 + a] += gyr[k, a]
+                sums[p, 7 + a] += acc[k, a] * acc[k, a]
+                sums[p, 10 + a] += gyr[k, a] * gyr[k, a]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from processing.orientation import kernels_calibration
 from processing.orientation.binning import BinSums, IndexArray
 from processing.settings import OrientationSettings
 from processing.survey import BoolArray, FloatArray, ImuSamples
@@ -137,8 +138,9 @@ def _bin_sums(imu: ImuSamples) -> _Sums:
     for a in range(0, len(imu.time_s), _BLOCK_ROWS):
         rows = slice(a, a + _BLOCK_ROWS)
         valid = imu.valid[rows]
-        values = np.hstack([imu.acc_s_mps2[rows][valid], imu.gyr_s_radps[rows][valid]])
-        collected.add(imu.time_s[rows][valid], np.hstack([np.ones((len(values), 1)), values, values * values]))
+        picked = slice(None) if np.all(valid) else valid
+        acc, gyr = (np.ascontiguousarray(v[rows][picked], np.float64) for v in (imu.acc_s_mps2, imu.gyr_s_radps))
+        kernels_calibration.add_moments(acc, gyr, *collected.places(imu.time_s[rows][picked]))
     bins = collected.result()
     return _Sums(bins.start_of, bins.sums[:, 0], bins.sums[:, 1:7], bins.sums[:, 7:])
 

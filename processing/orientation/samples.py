@@ -133,7 +133,8 @@ def trusted_samples(
     count = len(imu.time_s) if rows is None else len(rows)
     if count < _LEAST_ROWS:
         raise LeaklineError(ErrorCode.TOO_FEW_SAMPLES, count=count, needed=_LEAST_ROWS)
-    period = float(np.median(np.diff(imu.time_s if rows is None else imu.time_s[rows])))
+    steps = np.diff(imu.time_s if rows is None else imu.time_s[rows])
+    period = float(np.median(steps, overwrite_input=True))
     return in_segments(TrustedSamples(imu, calibration, settings, field, rows, ((0, count),), period))
 
 

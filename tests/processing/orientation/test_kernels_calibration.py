@@ -148,3 +148,13 @@ def test_the_uncompiled_readings_and_design_are_the_same(of_interval):
     for name, values in slow.items():
         np.testing.assert_allclose(values, fast[name], rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(design(uncompiled(), 1)[-1], design(kernels_calibration, 1)[-1], atol=1e-12)
+
+
+@pytest.mark.parametrize("module", [kernels_calibration, None], ids=["compiled", "source"])
+def test_the_moments_are_sums_and_sums_of_squares(module):
+    rate, _, acc, time_s = readings(3)
+    sums, expected = (BinSums(0.0, 0.05, 13, most_empty=10) for _ in range(2))
+    for part in (slice(0, 50), slice(50, ROWS)):
+        (module or uncompiled()).add_moments(acc[part], rate[part], *sums.places(time_s[part]))
+    expected.add(time_s, np.hstack([np.ones((ROWS, 1)), acc, rate, acc**2, rate**2]))
+    np.testing.assert_allclose(sums.result().sums, expected.result().sums, atol=1e-13)
