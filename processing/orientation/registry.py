@@ -9,10 +9,12 @@ import numpy as np
 from processing.errors import ErrorCode, LeaklineError
 from processing.orientation import (
     kernels,
+    kernels_calibration,
     kernels_ekf7,
     kernels_ekf_gd,
     kernels_eskf,
     kernels_preintegration,
+    kernels_samples,
     kernels_ukf,
 )
 from processing.orientation import quaternions as qt
@@ -37,7 +39,16 @@ from processing.settings import OrientationSettings
 from processing.survey import Attitude, Finding, FloatArray, ImuSamples, Motion, Severity, Survey
 
 Function = Callable[[TrustedSamples, float, Progress], Estimate]
-_KERNELS = (kernels, kernels_ekf7, kernels_ekf_gd, kernels_eskf, kernels_preintegration, kernels_ukf)
+_KERNELS = (
+    kernels,
+    kernels_calibration,
+    kernels_ekf7,
+    kernels_ekf_gd,
+    kernels_eskf,
+    kernels_preintegration,
+    kernels_samples,
+    kernels_ukf,
+)
 _EARTH_RADPS = 7.292115e-5  # WGS 84
 _log = logging.getLogger(__name__)
 
