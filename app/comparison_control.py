@@ -46,6 +46,7 @@ class ComparisonControl(QObject):
         panel.compare_asked.connect(self.compare)
         panel.use_asked.connect(self._use)
         panel.cleared.connect(self.clear)
+        panel.selection_changed.connect(self._lift)
         self._found.connect(self._take)
         session.results_changed.connect(self._on_results)
         session.survey_changed.connect(self._show)
@@ -99,6 +100,12 @@ class ComparisonControl(QObject):
             self.reprocess_asked.emit()
 
     # --- showing ---
+
+    def _lift(self) -> None:
+        """Bring the selected method's path out among the others."""
+        names = [row.name for row in self._rows]
+        selected = self._panel.selected
+        self._plan.lift_compared(names.index(selected) if selected in names else -1)
 
     def _show(self) -> None:
         session = self._session

@@ -24,7 +24,7 @@ from processing.storage.folder import SurveyFolder, is_survey_folder
 from processing.survey import Survey
 from widgets.message_boxes import Choice, MessageBoxes
 from widgets.raw_form import RawAnswer
-from widgets.vocabulary import frequency_text, verdict_text
+from widgets.vocabulary import frequency_text, place_text, verdict_text
 
 if TYPE_CHECKING:
     from processing.importing.folder import ImportOptions
@@ -283,7 +283,7 @@ class FilesControl(QObject):
         if not session.orphans or not session.writable:
             return
         listed = "\n".join(
-            f"• {orphan.candidate.chainage_m:.1f} m: {verdict_text(orphan.decision.verdict)} {orphan.decision.note}"
+            f"• {place_text(orphan.candidate)} m: {verdict_text(orphan.decision.verdict)} {orphan.decision.note}"
             for orphan in session.orphans
         )
         text = self.tr("These earlier verdicts found no candidate any more. Nothing is lost; keep them as marks?")
@@ -327,7 +327,7 @@ class FilesControl(QObject):
         self._page.set_files(imported_files(folder.files()))
         notes = [
             self.tr("Verdict without a candidate at {place} m: {verdict} {note}").format(
-                place=f"{orphan.candidate.chainage_m:.1f}",
+                place=place_text(orphan.candidate),
                 verdict=verdict_text(orphan.decision.verdict),
                 note=orphan.decision.note,
             )

@@ -178,7 +178,7 @@ class MainWindow(QMainWindow):
         self.files.page_asked.connect(self.show_page)
         self.files.told.connect(self._tell)
         self.report.told.connect(self._tell)
-        self.path.reprocess_asked.connect(self.files.reprocess)
+        self.path.reprocess_asked.connect(lambda: self.files.reprocess(show=self.page))
         self.path.failed.connect(self._tell_error)
         self.player.failed.connect(self._tell_error)
         self.review_page.band_changed.connect(self.files.change_band)

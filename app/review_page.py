@@ -116,6 +116,7 @@ class ReviewPage(QWidget):
         self._maps.setVisible(arrangement != "sound")
         self._side.setVisible(not path)
         self.tools.set_tabs_shown(path)
+        self.path.set_compared_visible(path)
         self.spectrogram.setVisible(not path)
         self.imu.setVisible(not leaks)
         self.level.set_x_axis_visible(leaks)
@@ -166,6 +167,7 @@ class ReviewPage(QWidget):
             self.profile.set_track(track)
         self.path.set_track(track)
         self.show_candidates(self._rows)
+        self._show_readout()
 
     def show_tie_points(self, tie_points: Sequence[TiePoint]) -> None:
         """Show the known places."""
@@ -219,7 +221,7 @@ class ReviewPage(QWidget):
         parts = [clock_text(time_s)]
         chainage_m = self._cursor.chainage_at(time_s)
         if chainage_m is not None:
-            parts.append(f"{number(chainage_m, 1)} ± {number(view_data.plus_minus_m(self._results, time_s), 1)} m")
+            parts.append(f"{number(chainage_m, 1)} ± {number(view_data.plus_minus_m(self._track, time_s), 1)} m")
         place = self._cursor.position_at(time_s)
         if place is not None:
             parts.append(self.tr("E {east}  N {north} m").format(east=number(place[0], 1), north=number(place[1], 1)))

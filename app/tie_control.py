@@ -53,6 +53,7 @@ class TieControl(QObject):
         panel.add_asked.connect(self.add_here)
         panel.loop_asked.connect(self._add_loop)
         panel.process_asked.connect(self.reprocess_asked)
+        page.table.process_asked.connect(self.reprocess_asked)
         plan = page.path
         plan.tie_clicked.connect(self._choose)
         plan.tie_dragged.connect(lambda n, east, north: self._drag(n, self._moved_on_plan(n, east, north)))
@@ -173,13 +174,13 @@ class TieControl(QObject):
         self._page.show_tie_points(session.survey.tie_points)
         if results is None or results.track is None:
             self._panel.set_checks({})
-            self._panel.set_state("", stale=False)
+            self._show_state("", stale=False)
             return
         if _told(results.survey) == _told(session.survey):
             self._loader.cancel()
             self._show_track(results.track)
             self._show_checks(results.tie_checks, session.survey)
-            self._panel.set_state("", stale=False)
+            self._show_state("", stale=False)
         else:
             self._request(session.survey)
 
@@ -197,7 +198,11 @@ class TieControl(QObject):
         self._show_track(preview_track(preview, results.track))
         self._show_checks(preview.checks, survey)
         state = self.tr("The path follows the tie points. The leaks in the list still stand where they were.")
-        self._panel.set_state(state, stale=self._dragging is None and self._session.writable)
+        self._show_state(state, stale=self._dragging is None and self._session.writable)
+
+    def _show_state(self, text: str, *, stale: bool) -> None:
+        self._panel.set_state(text, stale=stale)
+        self._page.table.set_stale(stale)
 
     def _show_track(self, track: Track) -> None:
         if track is self._shown:

@@ -120,13 +120,13 @@ def extent_s(results: "Results") -> tuple[float, float]:
     return (min(starts), max(ends)) if starts else (0.0, 1.0)
 
 
-def plus_minus_m(results: "Results", time_s: float) -> float | None:
+def plus_minus_m(track: "Track | None", time_s: float) -> float | None:
     """Return half of the 95 % interval of the chainage at a moment; None without a path."""
     from processing.position.distance import places_at
 
-    if results.track is None:
+    if track is None:
         return None
-    place = places_at(results.track, time_s)
+    place = places_at(track, time_s)
     return float(1.959964 * place.sigma_along_m[0])
 
 

@@ -2,18 +2,33 @@
 
 The texts stand in ``resources/messages/<language>/*.toml``; each file holds tables (``errors``, ``findings``,
 ``reasons``, ``progress``, ``report`` …) of ``key = "sentence with {placeholders}"``, merged over the files.
-Numbers are filled in by :meth:`str.format`, so a sentence chooses its own digits: ``{gap_s:.1f} s``.
+Numbers are filled in by :meth:`str.format`, so a sentence chooses its own digits: ``{gap_s:.1f} s``. Turkish has a
+decimal comma and writes the percent sign first; only the report keeps points, as it lists coordinates.
 """
 
+import string
 import tomllib
 from collections.abc import Mapping
 from functools import cache
 from importlib import resources
+from numbers import Real
 
 from processing.errors import LeaklineError
 from processing.survey import Finding
 
 LANGUAGES = ("en", "tr")
+
+
+class _TurkishFormatter(string.Formatter):
+    def format_field(self, value: object, format_spec: str) -> str:
+        out = str(super().format_field(value, format_spec))
+        if not isinstance(value, Real):
+            return out
+        out = out.replace(".", ",")
+        return f"%{out[:-1]}" if format_spec.endswith("%") else out
+
+
+_FORMATTERS: Mapping[str, string.Formatter] = {"en": string.Formatter(), "tr": _TurkishFormatter()}
 
 
 @cache
@@ -33,7 +48,8 @@ def table(name: str, language: str = "en") -> Mapping[str, str]:
 
 def text(table_name: str, key: str, language: str = "en", **params: object) -> str:
     """Return one sentence, filled in; raises KeyError for an unknown key (that is our bug: a test lists them all)."""
-    return _tables(language)[table_name][key].format(**params)
+    formatter = _FORMATTERS["en" if table_name == "report" else language]
+    return formatter.vformat(_tables(language)[table_name][key], (), params)
 
 
 def finding_sentence(finding: Finding, language: str = "en") -> str:

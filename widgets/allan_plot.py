@@ -10,7 +10,10 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import FloatArray
+from widgets.plot_scale import number_text
 from widgets.plot_theme import LIGHT, Theme
+
+MOST_DIGITS = 5
 
 
 @dataclass(frozen=True)
@@ -104,14 +107,14 @@ class AllanPlot(QWidget):
             painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
             painter.setPen(text)
             box = QRectF(x - 40, rect.bottom() + 2, 80, metrics.height())
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, f"{10.0**power:g} s")
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, f"{_tick(power)} s")
         for power in range(math.ceil(axes.y_low), math.floor(axes.y_high) + 1):
             y = axes.pixel(1.0, 10.0**power).y()
             painter.setPen(grid)
             painter.drawLine(QPointF(rect.left(), y), QPointF(rect.right(), y))
             painter.setPen(text)
             box = QRectF(0, y - 0.5 * metrics.height(), rect.left() - 5, metrics.height())
-            painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, f"{10.0**power:g}")
+            painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _tick(power))
 
 
 class _Axes:
@@ -138,3 +141,8 @@ class _Axes:
         left = self._rect.left() + x * self._rect.width()
         top = self._rect.bottom() - np.clip(y, -3.0, 4.0) * self._rect.height()
         return QPolygonF([QPointF(a, b) for a, b in zip(left.tolist(), top.tolist(), strict=True)])
+
+
+def _tick(power: int) -> str:
+    """Return a power of ten as the window's locale writes it."""
+    return number_text(10.0**power, max(0, -power)) if abs(power) <= MOST_DIGITS else f"1e{power}"

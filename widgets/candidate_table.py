@@ -17,10 +17,10 @@ from PySide6.QtCore import (
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QComboBox,
     QHBoxLayout,
     QHeaderView,
     QLabel,
+    QPushButton,
     QTableView,
     QVBoxLayout,
     QWidget,
@@ -28,6 +28,7 @@ from PySide6.QtWidgets import (
 
 from processing.survey import Candidate, Decision, Verdict
 from widgets.plot_theme import Theme
+from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import class_text, half_width_m, number, verdict_icon, verdict_text
 
 Index = QModelIndex | QPersistentModelIndex
@@ -162,11 +163,12 @@ class CandidateTable(QWidget):
 
     candidate_chosen = Signal(int)  # by mouse or keyboard in the table
     order_changed = Signal(str)
+    process_asked = Signal()  # place them anew: the path has moved since they were found
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.model = CandidateModel(theme, self)
-        self._order = QComboBox()
+        self._order = QuietCombo()
         self._order.setMinimumHeight(40)
         self._order.addItem(self.tr("Best score first"), "score")
         self._order.addItem(self.tr("From the launch on"), "chainage")
@@ -177,16 +179,34 @@ class CandidateTable(QWidget):
         self._empty.setWordWrap(True)
         self._empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._table = self._make_table()
+        self._stale = self._make_stale()
         top = QHBoxLayout()
         top.addWidget(self._order, 1)
         top.addWidget(self._count)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addLayout(top)
+        layout.addWidget(self._stale)
         layout.addWidget(self._empty, 1)
         layout.addWidget(self._table, 1)
         self._quiet = False
         self.set_rows(())
+
+    def _make_stale(self) -> QWidget:
+        """Return the note on a path that has moved, with the way on."""
+        words = QLabel(self.tr("Tie points were changed: these places are of the path before."))
+        words.setWordWrap(True)
+        button = QPushButton(self.tr("Place the leaks anew"))
+        button.setObjectName("process_candidates")
+        button.setMinimumHeight(44)
+        button.clicked.connect(self.process_asked.emit)
+        note = QWidget()
+        layout = QVBoxLayout(note)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(words)
+        layout.addWidget(button)
+        note.hide()
+        return note
 
     def _make_table(self) -> QTableView:
         table = QTableView(self)
@@ -238,6 +258,10 @@ class CandidateTable(QWidget):
         """Change one candidate's verdict, class and note."""
         self.model.set_decision(candidate_id, decision)
         self._show_count()
+
+    def set_stale(self, stale: bool) -> None:
+        """Say that the path has moved since the candidates were placed."""
+        self._stale.setVisible(stale)
 
     def select(self, candidate_id: int | None) -> None:
         """Select a candidate without a signal; None selects nothing."""

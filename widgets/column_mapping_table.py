@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 from processing.importing.column_mapping import ColumnMapping, MappedColumn, Quantity
 from processing.importing.units import AUTO, FACTORS
 from widgets.optional_number import OptionalNumber
+from widgets.quiet_combo import QuietCombo
 
 _QUANTITIES: dict[Quantity, str] = {
     Quantity.TIME: str(QT_TRANSLATE_NOOP("Columns", "time")),
@@ -95,7 +96,7 @@ class ColumnMappingTable(QWidget):
             samples = "   ".join(row[i] for row in rows[:SHOWN_SAMPLES] if i < len(row))
             self._table.setItem(i, NAME, QTableWidgetItem(name or str(i + 1)))
             self._table.setItem(i, SAMPLES, QTableWidgetItem(samples))
-            meaning, unit = QComboBox(), QComboBox()
+            meaning, unit = QuietCombo(), QuietCombo()
             meaning.addItem(self.tr("not used"), None)
             for quantity in Quantity:
                 meaning.addItem(quantity_text(quantity), quantity)

@@ -107,7 +107,8 @@ class CurvePlot(LinkedPlot):
         painter.setPen(QColor(colour))
         box = QRectF(rect.left() + 2, rect.top() + row * height, rect.width() - 2, height)
         if box.bottom() <= rect.bottom() + 2:
-            painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, text)
+            shown = self._theme.metrics().elidedText(text, Qt.TextElideMode.ElideRight, box.width())
+            painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, shown)
 
     def _value_text(self, value: float, digits: int, unit: str) -> str:
         return f"{number_text(value, digits, self.locale())} {unit}" if math.isfinite(value) else "–"

@@ -7,6 +7,7 @@ from processing.survey import Decision, LeakClass, Verdict
 from widgets.candidate_table import CandidateRow
 from widgets.note_field import NoteField
 from widgets.plot_theme import Theme
+from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import class_text, half_width_m, number, verdict_icon
 
 BUTTON_HEIGHT = 48
@@ -76,7 +77,7 @@ class DecisionPanel(QWidget):
         return button
 
     def _class_box(self) -> QComboBox:
-        box = QComboBox()
+        box = QuietCombo()
         box.setObjectName("leak_class")
         box.setMinimumHeight(44)
         box.setAccessibleName(self.tr("Class"))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from PySide6.QtCore import QItemSelectionModel, Qt, Signal
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QFont
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
@@ -19,10 +19,10 @@ from PySide6.QtWidgets import (
 
 from processing.survey import TiePoint
 from widgets.tie_point_panel import Index, TiePointModel
-from widgets.vocabulary import number
+from widgets.vocabulary import number, warning_colour
 
 FIELDS = ("enabled", "name", "time_s", "chainage_m", "sigma_m", "residual", "left_out")
-RESIDUAL, LEFT_OUT = FIELDS.index("residual"), FIELDS.index("left_out")
+NAME, RESIDUAL, LEFT_OUT = FIELDS.index("name"), FIELDS.index("residual"), FIELDS.index("left_out")
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,9 @@ class MarkerModel(TiePointModel):
     def title(self, field: str) -> str:
         """Return a column's title."""
         titles = {
-            "residual": self.tr("Fits to"),
-            "left_out": self.tr("Without it"),
+            "residual": self.tr("Fits to (m)"),
+            "left_out": self.tr("Without it (m)"),
+            "enabled": "✓",
             "time_s": self.tr("Time (s)"),
             "chainage_m": self.tr("At (m)"),
             "sigma_m": self.tr("± 1σ"),
@@ -66,6 +67,10 @@ class MarkerModel(TiePointModel):
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:  # noqa: ANN401
         """Qt: the content of a cell."""
+        if role == Qt.ItemDataRole.TextAlignmentRole and index.column() > NAME:
+            return int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        if role == Qt.ItemDataRole.ToolTipRole and index.column() == NAME:
+            return self.points[index.row()].name
         if index.column() < RESIDUAL:
             return super().data(index, role)
         check = self._checks.get(index.row())
@@ -74,7 +79,11 @@ class MarkerModel(TiePointModel):
         if role == Qt.ItemDataRole.DisplayRole:
             return self._text(check, index.column())
         if role == Qt.ItemDataRole.ForegroundRole and check.doubted:
-            return QColor("#c3124b")
+            return warning_colour()
+        if role == Qt.ItemDataRole.FontRole and check.doubted:
+            bold = QFont()
+            bold.setBold(True)
+            return bold
         if role == Qt.ItemDataRole.ToolTipRole:
             return self._tip(check)
         return None
@@ -82,8 +91,8 @@ class MarkerModel(TiePointModel):
     def _text(self, check: MarkerCheck, column: int) -> str:
         if column == RESIDUAL:
             mark = "✗ " if check.doubted else ""
-            return f"{mark}{number(check.residual_m, 2)} m"
-        return f"{number(check.left_out_m, 1)} ± {number(check.left_out_95_m, 1)} m"
+            return f"{mark}{number(check.residual_m, 2)}"
+        return f"{number(check.left_out_m, 1)} ± {number(check.left_out_95_m, 1)}"
 
     def _tip(self, check: MarkerCheck) -> str:
         if check.doubted:
@@ -141,14 +150,14 @@ class MarkerPanel(QWidget):
         table.setModel(self.model)
         table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         table.setAccessibleName(self.tr("Tie points"))
-        table.setWordWrap(False)
+        table.setWordWrap(True)  # a long name takes two lines
         table.setAlternatingRowColors(True)
         table.setShowGrid(False)
         table.verticalHeader().hide()
         table.verticalHeader().setDefaultSectionSize(40)
         header = table.horizontalHeader()
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        header.setSectionResizeMode(FIELDS.index("name"), QHeaderView.ResizeMode.Stretch)
+        header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         header.setMinimumSectionSize(30)
         table.selectionModel().currentRowChanged.connect(self._on_current)
         return table

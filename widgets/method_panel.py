@@ -52,6 +52,7 @@ class MethodPanel(QWidget):
     compare_asked = Signal(object)  # tuple[str, ...]
     use_asked = Signal(str)
     cleared = Signal()
+    selection_changed = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -96,7 +97,7 @@ class MethodPanel(QWidget):
         header = table.horizontalHeader()
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
-        table.currentCellChanged.connect(lambda *_: self._show_state())
+        table.currentCellChanged.connect(lambda *_: self._on_selection())
         table.itemChanged.connect(lambda _item: self._show_state())
         return table
 
@@ -195,6 +196,10 @@ class MethodPanel(QWidget):
         self._words.setText(words)
         self._compare.setEnabled(bool(self.ticked) and not self._busy)
         self._use.setEnabled(self._writable and selected is not None and selected != self._current)
+
+    def _on_selection(self) -> None:
+        self._show_state()
+        self.selection_changed.emit()
 
     def _on_compare(self) -> None:
         self.compare_asked.emit(self.ticked)

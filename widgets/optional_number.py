@@ -21,7 +21,7 @@ def number_text(value: float | None) -> str:
     """Return a number as the window's locale writes it, without needless digits; empty for None."""
     if value is None:
         return ""
-    return f"{value:.10g}".replace(".", QLocale().decimalPoint())
+    return f"{value:.10g}".replace(".", QLocale().decimalPoint()).replace("-", "−")
 
 
 class OptionalNumber(QLineEdit):

@@ -164,6 +164,10 @@ class Labels:
         if self._within.adjusted(-radius, -radius, radius, radius).contains(centre):
             self._taken.append((x - radius, y - radius, x + radius, y + radius))
 
+    def keep_box_free(self, box: QRectF) -> None:
+        """Let no name cover this box."""
+        self._taken.append(edges_of(box))
+
     def write(self, text: str, about: QPointF, away: float, *, strong: bool = False) -> bool:
         """Write a name; False where there was no room."""
         if not text or not self._within.contains(about):
@@ -179,11 +183,18 @@ class Labels:
         return True
 
 
+def keep_furniture_free(labels: Labels, theme: Theme, scale: PlanScale) -> None:
+    """Let no name cover the scale bar or the north arrow."""
+    height = theme.metrics().height()
+    bar = _bar_length_m(scale) * scale.pixels_per_m + 28.0
+    labels.keep_box_free(QRectF(0.0, scale.size[1] - height - 26.0, bar, height + 26.0))
+    labels.keep_box_free(QRectF(scale.size[0] - 34.0, 8.0, 34.0, height + 34.0))
+
+
 def paint_scale_bar(painter: QPainter, theme: Theme, scale: PlanScale, unit: str, locale: QLocale) -> None:
     """Draw a bar of round metres into the lower left corner."""
     metrics = theme.metrics()
-    room = min(160.0, 0.4 * scale.size[0])
-    length_m = _round_down(room / scale.pixels_per_m)
+    length_m = _bar_length_m(scale)
     pixels = length_m * scale.pixels_per_m
     left, bottom = 14.0, scale.size[1] - 14.0
     text = f"{number_text(length_m, tick_digits(length_m), locale)} {unit}"
@@ -196,6 +207,10 @@ def paint_scale_bar(painter: QPainter, theme: Theme, scale: PlanScale, unit: str
     for x in (left, left + pixels):
         painter.drawLine(QPointF(x, bottom - 5), QPointF(x, bottom + 5))
     painter.drawText(QPointF(left + 2, bottom - 7), text)
+
+
+def _bar_length_m(scale: PlanScale) -> float:
+    return _round_down(min(160.0, 0.4 * scale.size[0]) / scale.pixels_per_m)
 
 
 def _round_down(value: float) -> float:

@@ -17,6 +17,7 @@ from widgets.linked_plot import ZOOM_STEP
 from widgets.path_items import BAND_Z, PathLines
 from widgets.path_paint import (
     Labels,
+    keep_furniture_free,
     paint_band,
     paint_cursor,
     paint_grid,
@@ -104,6 +105,16 @@ class PathView(QWidget):
         """Show the paths that other methods found."""
         self._compared.set_paths(paths)
         self._refit()
+
+    def set_compared_visible(self, visible: bool) -> None:
+        """Show or hide them: they are of use only where methods are compared."""
+        self._compared.set_visible(visible)
+        self._refit()
+
+    def lift_compared(self, style: int) -> None:
+        """Draw the compared path of this style thick and on top; -1 lifts none."""
+        self._compared.lift(style)
+        self.invalidate()
 
     def set_tie_points(self, tie_points: Sequence[TiePoint], to_local: ToLocal | None = None) -> None:
         """Show the known places: where ``to_local`` puts them, else where the device was at their moment."""
@@ -280,6 +291,9 @@ class PathView(QWidget):
         marks = [(c, centre) for c in self._marks.in_drawing_order if (centre := self._mark_centre(c)) is not None]
         for _, centre in (*pins, *marks):
             labels.keep_free(centre, radius)
+        keep_furniture_free(labels, self._theme, self._scale)
+        chosen = [pair for pair in pins if pair[0].number is not None and pair[0].number == self._pins.selected]
+        name_pins(labels, chosen, radius + 3, strong=True)  # what one works on is named while there is room
         paint_pins(painter, self._theme, pins, 0.7 * radius, self._pins.selected)
         pixmaps, ratio = self._mark_pixmaps, self.devicePixelRatioF()
         if pixmaps is None or not pixmaps.fits(self._theme, radius, ratio):
@@ -290,7 +304,7 @@ class PathView(QWidget):
         # the weighty ones are painted last but named first, so that they get a place
         for candidate, centre in reversed(marks):
             labels.write(str(candidate.id), centre, radius + 3, strong=candidate.id == self._marks.selected)
-        name_pins(labels, pins, radius + 3)
+        name_pins(labels, [pair for pair in pins if pair not in chosen], radius + 3)
         self._compared.paint_names(painter, labels, self._scale, self._theme)
 
     def _end_pins(self) -> tuple[Pin, ...]:

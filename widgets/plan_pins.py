@@ -110,7 +110,7 @@ def paint_pins(
             painter.drawEllipse(centre, 2.0 * radius, 2.0 * radius)
 
 
-def name_pins(labels: Labels, pins: Sequence[tuple[Pin, QPointF]], away: float) -> None:
+def name_pins(labels: Labels, pins: Sequence[tuple[Pin, QPointF]], away: float, *, strong: bool = False) -> None:
     """Write the pins' names beside them, as far as there is room."""
     for pin, centre in pins:
-        labels.write(pin.name, centre, away)
+        labels.write(pin.name, centre, away, strong=strong)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QComboBox, QLabel, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QStackedWidget, QVBoxLayout, QWidget
 
 from processing.survey import FloatArray
 from widgets.allan_plot import AllanLines, AllanPlot
@@ -12,6 +12,7 @@ from widgets.curve_plot import Curve
 from widgets.envelope import EnvelopePyramid
 from widgets.latest_loader import LatestLoader
 from widgets.plot_theme import LIGHT, Theme
+from widgets.quiet_combo import QuietCombo
 from widgets.strips_view import Strip, StripsView, strip_of
 from widgets.time_cursor import TimeCursor
 
@@ -119,7 +120,7 @@ class QualityPanel(QWidget):
         self._words: Mapping[str, str] = {}
         self._loader = LatestLoader(self)
         self._loader.loaded.connect(self._take_noise)
-        self._choice = QComboBox()
+        self._choice = QuietCombo()
         self._choice.setObjectName("quality_group")
         self._choice.setAccessibleName(self.tr("What to show"))
         self._choice.setMinimumHeight(40)

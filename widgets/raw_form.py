@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QComboBox, QFormLayout, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QFormLayout, QLabel, QPushButton, QWidget
 
 from widgets.optional_number import OptionalNumber
+from widgets.quiet_combo import QuietCombo
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class RawForm(QWidget):
         self._rate = OptionalNumber(1000.0, 1e6)
         self._rate.setObjectName("raw_rate")
         self._rate.set_value(48000.0)
-        self._kind = QComboBox()
+        self._kind = QuietCombo()
         self._kind.setMinimumHeight(40)
         for text, bits, encoding in (
             (self.tr("16 bit"), 16, "signed"),
@@ -40,7 +41,7 @@ class RawForm(QWidget):
             (self.tr("32 bit floating point"), 32, "float"),
         ):
             self._kind.addItem(text, (bits, encoding))
-        self._order = QComboBox()
+        self._order = QuietCombo()
         self._order.setMinimumHeight(40)
         self._order.addItem(self.tr("low byte first (usual)"), "little")
         self._order.addItem(self.tr("high byte first"), "big")

@@ -6,7 +6,6 @@ from html import escape
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
-    QComboBox,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -19,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from processing.survey import Verdict
 from widgets.candidate_table import CandidateRow
+from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import class_text, half_width_m, number, verdict_text
 
 
@@ -44,7 +44,7 @@ class ReportPanel(QWidget):
         self._preview = QTextBrowser()
         self._preview.setFrameShape(QFrame.Shape.NoFrame)
         self._preview.setOpenLinks(False)
-        self._language = QComboBox()
+        self._language = QuietCombo()
         self._language.setMinimumHeight(44)
         self._language.addItem("English", "en")
         self._language.addItem("Türkçe", "tr")

@@ -6,7 +6,6 @@ from dataclasses import replace
 from PySide6.QtCore import QLocale, Qt, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
-    QComboBox,
     QDialog,
     QFrame,
     QGridLayout,
@@ -30,6 +29,7 @@ from processing.survey import Survey
 from widgets.crs_field import CrsField
 from widgets.optional_number import OptionalNumber
 from widgets.plot_theme import LIGHT, Theme
+from widgets.quiet_combo import QuietCombo
 from widgets.route_map import RouteMap
 from widgets.section_table import SectionTable
 
@@ -78,7 +78,7 @@ class RouteDialog(QDialog):
         self._swap.setObjectName("route_swap")
         self._swap.setMinimumHeight(36)
         self._swap.clicked.connect(lambda checked: self._change(swap=checked, reverse=None))
-        self._unit = QComboBox()
+        self._unit = QuietCombo()
         self._unit.setObjectName("route_unit")
         self._unit.setMinimumHeight(40)
         for text, unit_m in (

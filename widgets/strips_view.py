@@ -173,7 +173,11 @@ class StripsView(CurvePlot):
                 ("± " + self._value_text(high - value, _digits(high - value), strip.unit), self._theme.text),
             ]
         labels = strip.labels or ("",) * len(strip.curves)
-        texts = [self._value_text(value, _digits(value), strip.unit) for value in values]
+        # beside a name there is little room: the first one tells the unit of all
+        units = [strip.unit if k == 0 or not label else "" for k, label in enumerate(labels)]
+        texts = [
+            self._value_text(value, _digits(value), unit).rstrip() for value, unit in zip(values, units, strict=True)
+        ]
         return [
             (f"{label} {text}" if label else text, colour)
             for label, text, (_, colour) in zip(labels, texts, strip.curves, strict=True)

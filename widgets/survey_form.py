@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QComboBox,
     QFormLayout,
@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 from processing.survey import Motion, Route, Survey
 from widgets.method_panel import MethodRow
 from widgets.optional_number import OptionalNumber, number_text
+from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import motion_text
 
 
@@ -209,21 +210,13 @@ class SurveyForm(QWidget):
         return field
 
     def _combo(self, name: str) -> QComboBox:
-        combo = QComboBox()
+        combo = QuietCombo()
         combo.setObjectName(name)
         combo.setMinimumHeight(40)
         combo.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         combo.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        combo.installEventFilter(self)
         combo.activated.connect(self._changed)
         return combo
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Qt: the wheel scrolls the page; it must not change a choice that the pointer happens to pass over."""
-        if event.type() == QEvent.Type.Wheel and isinstance(watched, QComboBox):
-            event.ignore()
-            return True
-        return super().eventFilter(watched, event)
 
     # --- values ---
 

@@ -1,10 +1,12 @@
 """Words, numbers and marks that several widgets share: verdicts as shape + letter + colour, classes, figures with ±."""
 
 from PySide6.QtCore import QT_TRANSLATE_NOOP, QCoreApplication, QLocale, QPointF, Qt
-from PySide6.QtGui import QIcon, QPainter, QPixmap
+from PySide6.QtGui import QColor, QGuiApplication, QIcon, QPainter, QPixmap
 
 from processing.survey import Candidate, LeakClass, Motion, Severity, Verdict
 from widgets.plot_theme import Theme, paint_verdict
+
+DARK_BELOW = 128  # of 255
 
 _VERDICTS: dict[Verdict, str] = {
     Verdict.NONE: str(QT_TRANSLATE_NOOP("Vocabulary", "undecided")),
@@ -60,10 +62,11 @@ def severity_text(severity: Severity) -> str:
 
 
 def number(value: float | None, digits: int) -> str:
-    """Return a number by the window's locale, a dash where there is none."""
+    """Return a number by the window's locale with a true minus, never a minus zero; a dash where there is none."""
     if value is None or value != value:  # NaN
         return "–"
-    return QLocale().toString(float(value), "f", digits)
+    rounded = round(float(value), digits) + 0.0
+    return QLocale().toString(rounded, "f", digits).replace("-", "−")
 
 
 def frequency_text(hz: float) -> str:
@@ -86,6 +89,17 @@ def clock_text(time_s: float) -> str:
 def half_width_m(candidate: Candidate) -> float:
     """Return the ± of the candidate's chainage: half of its 95 % interval, metres."""
     return (candidate.chainage_high95_m - candidate.chainage_low95_m) / 2.0
+
+
+def warning_colour() -> QColor:
+    """Return the red of a warning that is legible on a list's ground, dark or light."""
+    dark = QGuiApplication.palette().base().color().lightness() < DARK_BELOW
+    return QColor("#ff8fa3" if dark else "#c3124b")
+
+
+def place_text(candidate: Candidate) -> str:
+    """Return a candidate's chainage with its ±, without the unit: never one without the other."""
+    return f"{number(candidate.chainage_m, 1)} ± {number(half_width_m(candidate), 1)}"
 
 
 def verdict_icon(theme: Theme, verdict: Verdict, size: int = 24) -> QIcon:

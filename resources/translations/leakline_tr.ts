@@ -508,6 +508,14 @@
         <translation>Kaçak adayı bulunmadı. M tuşu imlecin yerine elle işaret koyar.</translation>
     </message>
     <message>
+        <source>Place the leaks anew</source>
+        <translation>Kaçakları yeniden yerleştir</translation>
+    </message>
+    <message>
+        <source>Tie points were changed: these places are of the path before.</source>
+        <translation>Bağlama noktaları değişti: bu yerler önceki yola göredir.</translation>
+    </message>
+    <message>
         <source>{decided} of {all} decided</source>
         <translation>Karar: {decided} / {all}</translation>
     </message>
@@ -1115,8 +1123,8 @@
         <translation>Yeri (m)</translation>
     </message>
     <message>
-        <source>Fits to</source>
-        <translation>Uyum</translation>
+        <source>Fits to (m)</source>
+        <translation>Uyum (m)</translation>
     </message>
     <message>
         <source>If we had not known it, the path would have been off here by {metres} m.</source>
@@ -1127,8 +1135,8 @@
         <translation>Zaman (s)</translation>
     </message>
     <message>
-        <source>Without it</source>
-        <translation>O olmasa</translation>
+        <source>Without it (m)</source>
+        <translation>O olmasa (m)</translation>
     </message>
     <message>
         <source>± 1σ</source>

@@ -81,7 +81,7 @@ def test_methods_are_tried_in_the_background_and_drawn(opened, qtbot):
     qtbot.waitUntil(lambda: not jobs.running, timeout=20_000)
     rows = {row.name: k for k, row in enumerate(panel._rows)}
     assert panel._item(rows["device"], 1).text() == "cannot"  # the log has no quaternions
-    assert panel._item(rows["gyro"], 3).text() == "-100.00 m"  # a ball that never turns misses all of the 100 m
+    assert panel._item(rows["gyro"], 3).text() == "−100.00 m"  # a ball that never turns misses all of the 100 m
     assert len(plan._compared._paths) == 1
     control.clear()
     assert len(plan._compared._paths) == 0
@@ -105,3 +105,23 @@ def test_compared_paths_are_held_in_view(qtbot, opened):
     plan.fit()
     x, _ = plan.plan_scale.pixel(5000.0, 0.0)
     assert 0 < x < 400
+
+
+def test_the_selected_method_is_lifted_above_the_path_and_the_comparison_stays_on_its_page(opened):
+    *_, panel, plan, control = opened
+    rows = [row.name for row in panel._rows]
+    style = rows.index("vqf")
+    plan.resize(400, 300)
+    plan.set_compared((ComparedPath("other", 2.0 * np.eye(2), style + 1), ComparedPath("vqf", np.eye(2), style)))
+    panel._table.selectRow(style)
+    lines = plan._compared
+    plan._prepare()
+    other, lifted = lines._items
+    assert lifted.zValue() > plan._lines._line.zValue() > other.zValue()
+    assert lifted.opts["pen"].widthF() > 2 * other.opts["pen"].widthF()
+    assert lines._shown[0].name == "vqf"  # named while there is room
+    plan.set_compared_visible(False)
+    plan._prepare()
+    assert not lifted.isVisible()
+    assert len(lines.places) == 0  # what is not shown needs no room
+    assert control is not None

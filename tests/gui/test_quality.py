@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtWidgets import QApplication, QComboBox
 from small_survey import make_folder, make_results
 
 from app.quality_control import GROUPS, QualityControl
@@ -84,3 +87,15 @@ def test_the_noise_plot_stands_on_decades_and_falls_as_it_should(qtbot):
         y for y in range(300) for x in range(80, 380) if image.pixelColor(x, y).name() == LIGHT.curve_third
     ]  # the last axis lies on top
     assert max(curve) - min(curve) > 100
+
+
+def test_the_wheel_passes_over_the_choice_of_a_group(opened):
+    _, panel, _ = opened
+    combo = panel.findChild(QComboBox, "quality_group")
+    combo.setFocus()
+    before, at = panel.group, QPointF(5, 5)
+    none, still = Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier
+    phase = Qt.ScrollPhase.NoScrollPhase
+    wheel = QWheelEvent(at, combo.mapToGlobal(at), QPoint(), QPoint(0, -120), none, still, phase, False)
+    QApplication.sendEvent(combo, wheel)
+    assert panel.group == before

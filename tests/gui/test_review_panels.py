@@ -11,7 +11,7 @@ from widgets.candidate_table import NOTE, VERDICT, CandidateRow, CandidateTable,
 from widgets.decision_panel import DecisionPanel
 from widgets.note_field import NoteField
 from widgets.plot_theme import LIGHT
-from widgets.vocabulary import clock_text, number, verdict_icon, verdict_text
+from widgets.vocabulary import clock_text, number, place_text, verdict_icon, verdict_text
 
 
 def candidate(number, *, chainage_m=10.0, score=0.5, half_m=1.0):
@@ -208,3 +208,12 @@ def test_clock_text_carries_over_and_never_shows_sixty_seconds(time_s, shown):
         assert clock_text(time_s) == shown
     finally:
         QLocale.setDefault(before)
+
+
+def test_numbers_have_a_true_minus_and_no_minus_zero():
+    assert number(-1.25, 1) in ("−1.2", "−1.3")
+    assert number(-0.004, 2) == "0.00"
+
+
+def test_a_place_is_never_told_without_its_interval():
+    assert place_text(candidate(1, chainage_m=41.26, half_m=0.5)) == "41.3 ± 0.5"

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QPointF, QRectF, Qt
+from PySide6.QtGui import QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 from small_survey import DURATION_S, SPEED_MPS, SURVEY, make_folder, make_results, make_track
@@ -20,6 +21,8 @@ from processing.position.tie_checks import TieCheck
 from processing.progress import silent
 from processing.settings import PositionSettings
 from processing.survey import TiePoint
+from widgets.path_paint import Labels, keep_furniture_free
+from widgets.plan_geometry import PlanScale
 from widgets.plot_theme import LIGHT
 
 LEFT = Qt.MouseButton.LeftButton
@@ -100,7 +103,7 @@ def test_the_table_tells_how_each_tie_point_fits_and_what_it_is_worth(opened):
     model = page.markers.model
     rows = [[model.data(model.index(r, c)) for c in (1, 5, 6)] for r in range(3)]
     assert [row[0] for row in rows] == ["valve", "hydrant", "retrieval"]
-    assert rows[0][1] == "0.00 m"
+    assert rows[0][1] == "0.00"
     assert all("±" in row[2] for row in rows)
 
 
@@ -213,3 +216,39 @@ def test_checks_find_their_tie_points_even_where_two_have_one_name():
     )
     found = numbered_checks(checks, points)
     assert {n: (c.residual_m, c.doubted) for n, c in found.items()} == {0: (0.1, True), 1: (0.2, False)}
+
+
+def test_the_list_of_leaks_says_that_its_places_are_of_the_path_before_and_offers_the_way_on(opened, qtbot):
+    session, page, control = opened
+    model = page.markers.model
+    assert page.table._stale.isHidden()
+    model.setData(model.index(0, 3), "50.5")
+    settled(qtbot, control)
+    assert not page.table._stale.isHidden()
+    with qtbot.waitSignal(control.reprocess_asked):
+        page.table.findChild(QPushButton, "process_candidates").click()
+    session.undo_stack.undo()
+    assert page.table._stale.isHidden()
+
+
+def test_the_readout_takes_the_interval_of_the_path_that_is_drawn(opened, qtbot):
+    session, page, control = opened
+    session.cursor.set_time(MIDDLE_S)
+    before = page.readout_text()
+    model = page.markers.model
+    model.setData(model.index(0, 4), "0.4")  # the tie point at the cursor is four times less sure
+    settled(qtbot, control)
+    assert page.readout_text() != before
+    half = 1.959964 * float(np.interp(MIDDLE_S, control._shown.time_s, control._shown.sigma_along_m))
+    assert f"± {half:.1f} m" in page.readout_text()
+
+
+def test_no_name_covers_the_north_arrow(qapp):
+    image = QImage(200, 100, QImage.Format.Format_ARGB32)
+    painter = QPainter(image)
+    labels = Labels(painter, LIGHT, QRectF(0.0, 0.0, 200.0, 100.0))
+    keep_furniture_free(labels, LIGHT, PlanScale((0.0, 0.0), 10.0, (200.0, 100.0)))
+    assert labels.write("retrieval", QPointF(160.0, 30.0), 8.0)
+    left, _, right, _ = labels._taken[-1]
+    painter.end()
+    assert right <= 166.0 or left >= 200.0

@@ -31,3 +31,10 @@ def test_an_error_names_the_file_and_the_place_and_what_to_do(tmp_path):
     sentence = messages.error_sentence(error)
     assert sentence.startswith(f"{tmp_path / 'imu.csv'}, line 7, column 3: 'abc' is not a number")
     assert "\n" not in sentence
+
+
+def test_turkish_sentences_have_a_decimal_comma_and_the_percent_sign_first():
+    assert messages.text("evidence", "impulsive_share", "tr", value=0.123).startswith("Sesin yaklaşık %12 ")
+    assert messages.text("evidence", "impulsive_share", "en", value=0.123).startswith("12% ")
+    params = {"name": "A", "metres": 20.2, "sigma_m": 0.4}
+    assert "20,2 m uzakta (beklenen ±0,4 m" in messages.text("findings", "tie_disagrees", "tr", **params)
