@@ -54,7 +54,7 @@ VERSIONS = {
     "attitude": 7,
     "odometry": 3,
     "evidence": 1,
-    "track": 6,
+    "track": 7,
     "scan": 1,
     "clock": 1,
     "candidates": 1,

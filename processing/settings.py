@@ -187,6 +187,9 @@ class PositionSettings:
     heading_drift_dph: float = tunable(
         300.0, "°/h", 0.0, 5000.0, "no magnetometer: 150–400 °/h (navigation §3.1, §4.4)"
     )
+    rolling_drift_dph: float = tunable(
+        100.0, "°/h", 0.0, 5000.0, "a ball's gyro calibrated by its own turning: wheels, median 27, p90 110, most 180"
+    )
     heading_drift_tau_s: float = tunable(
         3600.0, "s", 10.0, 1e6, "the drift itself wanders: bias with temperature, scale with the spin axis"
     )

@@ -44,7 +44,8 @@ def heading_start(
     first: float | None,
 ) -> HeadingStart:
     """Return how the free path is turned before the fit; ``first`` is its :func:`initial_direction`."""
-    drift = float(np.radians(settings.heading_drift_dph) / 3600.0)
+    rolling = odometry.method == "rolling"
+    drift = float(np.radians(settings.rolling_drift_dph if rolling else settings.heading_drift_dph) / 3600.0)
     stated = float(np.radians(settings.heading_sigma_deg))
     magnetic = float(np.radians(settings.magnetic_sigma_deg))
     heading = survey.launch.heading_deg

@@ -54,14 +54,14 @@ def realistic(
     scale_sigma=0.02,
     loop=False,
     slip_walk=0.042,
-    drift_dph=250.0,
+    drift_dph=80.0,
     settings=PositionSettings(),  # noqa: B008  # frozen
 ):
     """A run as in a main, with errors as on the wheels of navigation §4.4: heavy tails between runs, and stops.
 
     Slip walk 0.042 m/√m in the median, as 1 % of slip that wanders over 15 s makes at 0.6 m/s (the wheels show twice
-    that), and twice it at the 90th percentile; yaw drift 250 °/h; a launch heading good to 2.5°; a radius good to 2 %,
-    as the settings say of a ball that was never calibrated.
+    that), and twice it at the 90th percentile; yaw drift 80 °/h, as is left on wheels whose own turning calibrated the
+    gyro; a launch heading good to 2.5°; a radius good to 2 %, as the settings say of a ball that was never calibrated.
     """
     dt = 0.1
     speed = rng.uniform(0.4, 1.0)
