@@ -152,6 +152,7 @@ def _still(
     """Where the ball turns by less than the threshold over half a second (n,)."""
     from scipy.ndimage import uniform_filter1d
 
+    window = max(round(0.5 / float(np.median(np.diff(time_s), overwrite_input=True))), 1)
     energy = np.empty(len(time_s))
     for start in range(0, len(time_s), 1_000_000):
         part = slice(start, min(start + 1_000_000, len(time_s)))
@@ -159,9 +160,8 @@ def _still(
         bias = attitude.bias_radps if attitude.bias_radps.ndim == 1 else attitude.bias_radps[index]
         gyr = imu.gyr_s_radps[index] - bias
         energy[part] = np.einsum("ij,ij->i", gyr, gyr)
-    window = max(round(0.5 / float(np.median(np.diff(time_s)))), 1)
-    smooth = uniform_filter1d(energy, window, mode="nearest")
-    return np.asarray(smooth < np.radians(settings.rolling_still_dps) ** 2)
+    uniform_filter1d(energy, window, output=energy, mode="nearest")  # in place: one number a row is enough
+    return np.asarray(energy < np.radians(settings.rolling_still_dps) ** 2)
 
 
 def _lost_heading(grid: FloatArray, spans: FloatArray) -> FloatArray:
