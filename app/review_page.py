@@ -183,7 +183,7 @@ class ReviewPage(QWidget):
         track, results = self._track, self._results
         candidates = [row.candidate for row in rows]
         if track is not None and results is not None and track is not results.track:
-            candidates = [view_data.moved(candidate, track) for candidate in candidates]
+            candidates = view_data.moved(candidates, track)
         decisions = {row.candidate.id: row.decision for row in rows}
         for view in self.views:
             view.set_candidates(candidates, decisions)

@@ -45,7 +45,7 @@ class TieControl(QObject):
         self._shown: Track | None = None  # the path that is drawn: of the results, or of the newest fit
         self._dragging: tuple[TiePoint, ...] | None = None
         self._doubted: frozenset[int] = frozenset()
-        self._loader = LatestLoader(self)
+        self._loader = LatestLoader(self, overtaken=True)
         self._loader.loaded.connect(self._take)
         self._loader.failed.connect(self.failed)
         panel.tie_points_changed.connect(self._edit)

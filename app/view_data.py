@@ -1,6 +1,7 @@
 """Turns the results of a run into what each view asks for; plain functions, no state."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -141,20 +142,26 @@ def to_local(results: "Results", tie: "TiePoint") -> tuple[float, float] | None:
     return None if place is None else (place[0], place[1])
 
 
-def moved(candidate: "Candidate", track: "Track") -> "Candidate":
-    """Return a candidate where its sound is on another track; its interval keeps its width."""
+def moved(candidates: "Sequence[Candidate]", track: "Track") -> "list[Candidate]":
+    """Return candidates where their sound is on another track; the intervals keep their widths."""
     from processing.position.distance import places_at
 
-    if not math.isfinite(candidate.time_s):
-        return candidate
-    place = places_at(track, candidate.time_s)
-    chainage = float(place.chainage_m[0])
-    by = chainage - candidate.chainage_m
-    east, north, up = (float(v) for v in place.position_w_m[0])
-    return replace(
-        candidate,
-        chainage_m=chainage,
-        chainage_low95_m=candidate.chainage_low95_m + by,
-        chainage_high95_m=candidate.chainage_high95_m + by,
-        position_w_m=(east, north, up),
-    )
+    if not candidates:
+        return []
+    known = [math.isfinite(candidate.time_s) for candidate in candidates]
+    times = np.array([c.time_s if ok else track.time_s[0] for c, ok in zip(candidates, known, strict=True)])
+    places = places_at(track, times)
+    out = []
+    for row, (candidate, ok) in enumerate(zip(candidates, known, strict=True)):
+        chainage = float(places.chainage_m[row])
+        by = chainage - candidate.chainage_m
+        east, north, up = (float(v) for v in places.position_w_m[row])
+        there = replace(
+            candidate,
+            chainage_m=chainage,
+            chainage_low95_m=candidate.chainage_low95_m + by,
+            chainage_high95_m=candidate.chainage_high95_m + by,
+            position_w_m=(east, north, up),
+        )
+        out.append(there if ok else candidate)
+    return out

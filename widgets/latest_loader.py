@@ -30,18 +30,24 @@ class _Read(QRunnable):
 
 
 class LatestLoader(QObject):
-    """One worker, one request in work, one waiting. ``loaded`` and ``failed`` come on the window's thread."""
+    """One worker, one request in work, one waiting. ``loaded`` and ``failed`` come on the window's thread.
+
+    With ``overtaken`` the result of a request comes even if a newer one was made meanwhile: what follows a hand that
+    never rests would else show nothing before it rests.
+    """
 
     loaded = Signal(object)
     failed = Signal(object)  # LeaklineError or OSError
 
-    def __init__(self, parent: QObject | None = None) -> None:
+    def __init__(self, parent: QObject | None = None, *, overtaken: bool = False) -> None:
         super().__init__(parent)
+        self._overtaken = overtaken
         self._pool = QThreadPool(self)
         self._pool.setMaxThreadCount(1)
         self._outbox = _Outbox()
         self._outbox.done.connect(self._finish, Qt.ConnectionType.QueuedConnection)
         self._generation = 0
+        self._cancelled = 0  # what was asked for up to this one is of no interest any more
         self._running: _Read | None = None
         self._next: tuple[int, Callable[[], Any]] | None = None
 
@@ -59,6 +65,7 @@ class LatestLoader(QObject):
     def cancel(self) -> None:
         """Drop everything that was asked for."""
         self._generation += 1
+        self._cancelled = self._generation
         self._next = None
 
     def stop(self) -> None:
@@ -76,7 +83,8 @@ class LatestLoader(QObject):
     def _finish(self, generation: int, result: object, error: object) -> None:
         self._running = None
         self._start()
-        if generation != self._generation:
+        wanted = generation > self._cancelled if self._overtaken else generation == self._generation
+        if not wanted:
             return
         if isinstance(error, LeaklineError | OSError):
             self.failed.emit(error)

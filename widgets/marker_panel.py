@@ -18,10 +18,12 @@ from PySide6.QtWidgets import (
 )
 
 from processing.survey import TiePoint
+from widgets.throttle import Throttle
 from widgets.tie_point_panel import Index, TiePointModel
 from widgets.vocabulary import number, warning_colour
 
 FIELDS = ("enabled", "name", "time_s", "chainage_m", "sigma_m", "residual", "left_out")
+FIT_EVERY_MS = 400
 NAME, RESIDUAL, LEFT_OUT = FIELDS.index("name"), FIELDS.index("residual"), FIELDS.index("left_out")
 
 
@@ -124,6 +126,7 @@ class MarkerPanel(QWidget):
         )
         hint.setWordWrap(True)
         self._table = self._make_table()
+        self._fit_columns = Throttle(self._table.resizeColumnsToContents, FIT_EVERY_MS, self)
         self._state = QLabel()
         self._state.setObjectName("marker_state")
         self._state.setWordWrap(True)
@@ -156,7 +159,8 @@ class MarkerPanel(QWidget):
         table.verticalHeader().hide()
         table.verticalHeader().setDefaultSectionSize(40)
         header = table.horizontalHeader()
-        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        # not ResizeToContents: that measures every cell at every change, and a drag changes some at every move
+        header.setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
         header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
         header.setMinimumSectionSize(30)
         table.selectionModel().currentRowChanged.connect(self._on_current)
@@ -183,10 +187,12 @@ class MarkerPanel(QWidget):
                 self.select(selected)
         for button in (self._add, self._loop, self._remove):
             button.setEnabled(writable)
+        self._fit_columns()
 
     def set_checks(self, checks: Mapping[int, MarkerCheck]) -> None:
         """Show how the path fits them."""
         self.model.set_checks(checks)
+        self._fit_columns()
 
     def set_state(self, text: str, *, stale: bool) -> None:
         """Say how the path stands; ``stale`` offers to place the leaks anew."""

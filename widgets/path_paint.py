@@ -174,8 +174,7 @@ class Labels:
             return False
         metrics = self._theme.metrics()
         width = metrics.horizontalAdvance(text) + 8
-        taken = np.array(self._taken, dtype=np.float64).reshape(-1, 4)
-        box = free_box(width, metrics.height(), about, away, taken, self._within)
+        box = free_box(width, metrics.height(), about, away, self._taken, self._within)
         if box is None:
             return False
         self._taken.append(edges_of(box))

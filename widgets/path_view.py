@@ -60,8 +60,7 @@ class PathView(QWidget):
         self._stretches: tuple[Stretch, ...] = ()
         self._show_interval = True
         self._scale = PlanScale((0.0, 0.0), 10.0, (1.0, 1.0))
-        self._fitted = True
-        self._stale = True
+        self._fitted = self._stale = True
         self._build()
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor: QPointF | None = None
@@ -302,7 +301,8 @@ class PathView(QWidget):
             selected = candidate.id == self._marks.selected
             pixmaps.paint(painter, self._marks.verdict(candidate), centre, selected=selected)
         # the weighty ones are painted last but named first, so that they get a place
-        for candidate, centre in reversed(marks):
+        named = () if self._mouse.carries else tuple(reversed(marks))  # a carried tie point must follow the hand
+        for candidate, centre in named:
             labels.write(str(candidate.id), centre, radius + 3, strong=candidate.id == self._marks.selected)
         name_pins(labels, [pair for pair in pins if pair not in chosen], radius + 3)
         self._compared.paint_names(painter, labels, self._scale, self._theme)
@@ -332,8 +332,9 @@ class PathView(QWidget):
         self._refit()
 
     def movable_tie_at(self, place: QPointF) -> int | None:
-        """Return the number of the tie point under a pixel, where tie points may be moved."""
-        return self._pins.at(place, self._scale) if self.ties_movable else None
+        """Return the tie point that a press takes up; under a leak's mark only the selected one: else that is meant."""
+        tie = self._pins.at(place, self._scale) if self.ties_movable else None
+        return tie if tie == self._pins.selected or self.candidate_at(place) is None else None
 
     def pan_to(self, scale: PlanScale) -> None:
         """Show another part of the map, by hand: it no longer follows what there is to show."""

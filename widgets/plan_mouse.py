@@ -33,10 +33,9 @@ class PlanMouse:
         return self._carried is not None
 
     def press(self, place: QPointF) -> None:
-        """Begin: on a tie point that may move it is taken up, unless a leak's mark lies over it."""
+        """Begin: a tie point that may move is taken up."""
         self._pressed, self._scale_pressed, self._moved = place, self._view.plan_scale, False
-        on_candidate = self._view.candidate_at(place) is not None
-        self._carried = None if on_candidate else self._view.movable_tie_at(place)
+        self._carried = self._view.movable_tie_at(place)
 
     def move(self, place: QPointF) -> None:
         """Carry on; a hand that trembles within a few pixels still clicks."""
@@ -68,7 +67,7 @@ class PlanMouse:
 
     def shape_over(self, place: QPointF) -> Qt.CursorShape:
         """Return how the mouse looks over a pixel."""
-        if self._view.candidate_at(place) is not None:
-            return Qt.CursorShape.PointingHandCursor
-        movable = self._view.movable_tie_at(place) is not None
-        return Qt.CursorShape.OpenHandCursor if movable else Qt.CursorShape.ArrowCursor
+        if self._view.movable_tie_at(place) is not None:
+            return Qt.CursorShape.OpenHandCursor
+        over = self._view.candidate_at(place) is not None
+        return Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor

@@ -10,6 +10,8 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen
 from processing.survey import FloatArray
 from widgets.plot_theme import Theme
 
+Edges = tuple[float, float, float, float]  # left, top, right, bottom
+
 
 def coverage(top: FloatArray, bottom: FloatArray, rows: int) -> tuple[npt.NDArray[np.uint8], int]:
     """Return how much of each pixel lies between ``top`` and ``bottom`` (pixels, top < bottom), 0..255, and where.
@@ -54,36 +56,39 @@ def paint_tag(painter: QPainter, theme: Theme, text: str, box: QRectF, *, strong
 
 
 def free_box(
-    width: float, height: float, about: QPointF, away: float, taken: FloatArray, within: QRectF
+    width: float, height: float, about: QPointF, away: float, taken: Sequence[Edges], within: QRectF
 ) -> QRectF | None:
     """Return a box of this size beside ``about`` that overlaps nothing ``taken`` and stays ``within``, or None.
 
-    ``taken`` (n, 4) are left, top, right and bottom of boxes.
+    Plain numbers: it is called for each name of a moving map, and most of what is taken is far away.
     """
     x, y, part = about.x(), about.y(), 0.7 * away
-    corners = np.array(
-        (
-            (x + away, y - height / 2),
-            (x - width / 2, y - away - height),
-            (x - width / 2, y + away),
-            (x - away - width, y - height / 2),
-            (x + part, y - part - height),
-            (x + part, y + part),
-            (x - part - width, y - part - height),
-            (x - part - width, y + part),
-        )
+    reach_x, reach_y = width + away, height + away
+    near = [
+        box
+        for box in taken
+        if box[0] < x + reach_x and box[2] > x - reach_x and box[1] < y + reach_y and box[3] > y - reach_y
+    ]
+    corners = (
+        (x + away, y - height / 2),
+        (x - width / 2, y - away - height),
+        (x - width / 2, y + away),
+        (x - away - width, y - height / 2),
+        (x + part, y - part - height),
+        (x + part, y + part),
+        (x - part - width, y - part - height),
+        (x - part - width, y + part),
     )
-    low, high = corners, corners + np.array((width, height))
-    inside = np.all((low >= (within.left(), within.top())) & (high <= (within.right(), within.bottom())), axis=1)
-    apart = (taken[None, :, 0:2] >= high[:, None]) | (taken[None, :, 2:4] <= low[:, None])
-    free = np.flatnonzero(inside & np.all(np.any(apart, axis=2), axis=1))
-    if len(free) == 0:
-        return None
-    left, top = corners[free[0]]
-    return QRectF(float(left), float(top), width, height)
+    room = edges_of(within)
+    for left, top in corners:
+        right, bottom = left + width, top + height
+        inside = left >= room[0] and top >= room[1] and right <= room[2] and bottom <= room[3]
+        if inside and all(b[0] >= right or b[2] <= left or b[1] >= bottom or b[3] <= top for b in near):
+            return QRectF(left, top, width, height)
+    return None
 
 
-def edges_of(box: QRectF) -> tuple[float, float, float, float]:
+def edges_of(box: QRectF) -> Edges:
     """Return left, top, right and bottom, as :func:`free_box` takes them."""
     return box.left(), box.top(), box.right(), box.bottom()
 

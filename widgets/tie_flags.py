@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Sequence
 
-import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
@@ -63,8 +62,7 @@ class TieFlags:
                 painter.setBrush(QColor(theme.canvas))
                 painter.drawRect(flag)
             width = metrics.horizontalAdvance(tie.name) + 8
-            blocked = np.array(taken, dtype=np.float64).reshape(-1, 4)
-            box = free_box(width, metrics.height(), centre, HALF_FLAG + 2, blocked, rect)
+            box = free_box(width, metrics.height(), centre, HALF_FLAG + 2, taken, rect)
             if box is not None and tie.name:
                 taken.append(edges_of(box))
                 paint_tag(painter, theme, tie.name, box)

@@ -39,10 +39,17 @@ class TiePointModel(QAbstractTableModel):
         self.writable = True
 
     def set_points(self, points: Sequence[TiePoint]) -> None:
-        """Show these."""
-        self.beginResetModel()
+        """Show these; of as many as before only the changed rows are told, so that a drag costs no new layout."""
+        before = self.points
+        if len(before) != len(points) or not before:
+            self.beginResetModel()
+            self.points = tuple(points)
+            self.endResetModel()
+            return
         self.points = tuple(points)
-        self.endResetModel()
+        for row, (old, new) in enumerate(zip(before, self.points, strict=True)):
+            if old != new:
+                self.dataChanged.emit(self.index(row, 0), self.index(row, len(self._fields) - 1))
 
     def rowCount(self, parent: Index = ROOT) -> int:
         """Qt: number of rows."""

@@ -391,9 +391,7 @@ def test_thick_noisy_curves_are_covered_exactly():
 def test_names_find_a_place_that_is_free_or_none():
     within, about = QRectF(0, 0, 200, 100), QPointF(100, 50)
     taken = []
-    while (
-        box := free_box(40, 12, about, 8, np.array([edges_of(t) for t in taken]).reshape(-1, 4), within)
-    ) is not None:
+    while (box := free_box(40, 12, about, 8, [edges_of(t) for t in taken], within)) is not None:
         assert within.contains(box)
         assert not box.contains(about)
         assert not any(box.intersects(other) for other in taken)

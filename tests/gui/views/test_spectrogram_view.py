@@ -1,3 +1,5 @@
+import threading
+
 import numpy as np
 import pyqtgraph
 import pytest
@@ -293,6 +295,23 @@ def test_only_the_newest_request_is_answered(qtbot):
     loader.stop()
     qtbot.wait(20)
     assert answers == [49]
+
+
+def test_what_follows_a_hand_is_answered_even_where_a_newer_wish_has_overtaken_it(qtbot):
+    loader = LatestLoader(overtaken=True)
+    answers, begun, go = [], threading.Event(), threading.Event()
+    loader.loaded.connect(answers.append)
+    loader.request(lambda: (begun.set(), go.wait(), "first")[2])
+    assert begun.wait(5.0)
+    loader.request(lambda: "second")
+    loader.request(lambda: "third")
+    go.set()
+    qtbot.waitUntil(lambda: not loader.busy)
+    assert answers == ["first", "third"]
+    loader.request(lambda: "dropped")
+    loader.cancel()
+    qtbot.waitUntil(lambda: not loader.busy)
+    assert answers == ["first", "third"]
 
 
 def test_our_own_bug_in_a_worker_is_raised_where_the_crash_guard_sees_it(qtbot):
