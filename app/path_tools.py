@@ -24,7 +24,7 @@ class PathTools(QWidget):
         self._tabs.setUsesScrollButtons(False)
         self._tabs.setMinimumHeight(40)
         self._tabs.addTab(title)
-        self._tabs.setAccessibleName(title)
+        self._tabs.setAccessibleName(self.tr("Beside the plan"))
         self._stack = QStackedWidget()
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)

@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
     QHeaderView,
     QLabel,
     QPushButton,
+    QSizePolicy,
     QTableView,
     QVBoxLayout,
     QWidget,
@@ -170,6 +171,7 @@ class CandidateTable(QWidget):
         self.model = CandidateModel(theme, self)
         self._order = QuietCombo()
         self._order.setMinimumHeight(40)
+        self._order.setAccessibleName(self.tr("Order of the list"))
         self._order.addItem(self.tr("Best score first"), "score")
         self._order.addItem(self.tr("From the launch on"), "chainage")
         self._order.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -192,21 +194,16 @@ class CandidateTable(QWidget):
         self._quiet = False
         self.set_rows(())
 
-    def _make_stale(self) -> QWidget:
-        """Return the note on a path that has moved, with the way on."""
-        words = QLabel(self.tr("Tie points were changed: these places are of the path before."))
-        words.setWordWrap(True)
-        button = QPushButton(self.tr("Place the leaks anew"))
+    def _make_stale(self) -> QPushButton:
+        """Return the word on a path that has moved, which is the way on too: there is no room for both."""
+        button = QPushButton(self.tr("Old places: place the leaks anew"))
         button.setObjectName("process_candidates")
+        button.setToolTip(self.tr("Tie points were changed: these places are of the path before."))
+        button.setAccessibleDescription(button.toolTip())
         button.setMinimumHeight(44)
         button.clicked.connect(self.process_asked.emit)
-        note = QWidget()
-        layout = QVBoxLayout(note)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(words)
-        layout.addWidget(button)
-        note.hide()
-        return note
+        button.hide()
+        return button
 
     def _make_table(self) -> QTableView:
         table = QTableView(self)
@@ -216,8 +213,12 @@ class CandidateTable(QWidget):
         table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         table.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         table.setIconSize(QSize(24, 24))
+        # the list gives way before the verdict's buttons below it do
+        table.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
+        table.setMinimumHeight(3 * ROW_HEIGHT)
         table.setAccessibleName(self.tr("Leak candidates"))
         table.setWordWrap(False)
+        table.setTabKeyNavigation(False)
         table.setShowGrid(False)
         table.setAlternatingRowColors(True)
         table.verticalHeader().hide()

@@ -53,8 +53,8 @@ class MarkerModel(TiePointModel):
     def title(self, field: str) -> str:
         """Return a column's title."""
         titles = {
-            "residual": self.tr("Fits to (m)"),
-            "left_out": self.tr("Without it (m)"),
+            "residual": self.tr("Fits to"),
+            "left_out": self.tr("Without it"),
             "enabled": "✓",
             "time_s": self.tr("Time (s)"),
             "chainage_m": self.tr("At (m)"),
@@ -126,7 +126,8 @@ class MarkerPanel(QWidget):
         )
         hint.setWordWrap(True)
         self._table = self._make_table()
-        self._fit_columns = Throttle(self._table.resizeColumnsToContents, FIT_EVERY_MS, self)
+        self._fitted: tuple[int, ...] = ()  # the longest texts that the columns were made for
+        self._fit_columns = Throttle(self._fit, FIT_EVERY_MS, self)
         self._state = QLabel()
         self._state.setObjectName("marker_state")
         self._state.setWordWrap(True)
@@ -153,6 +154,7 @@ class MarkerPanel(QWidget):
         table.setModel(self.model)
         table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         table.setAccessibleName(self.tr("Tie points"))
+        table.setTabKeyNavigation(False)  # Tab goes on to the buttons; arrows go about the cells
         table.setWordWrap(True)  # a long name takes two lines
         table.setAlternatingRowColors(True)
         table.setShowGrid(False)
@@ -188,6 +190,17 @@ class MarkerPanel(QWidget):
         for button in (self._add, self._loop, self._remove):
             button.setEnabled(writable)
         self._fit_columns()
+
+    def _fit(self) -> None:
+        """Make the columns as wide as their texts, where those have become longer or shorter."""
+        rows, columns = range(len(self.model.points)), range(len(FIELDS))
+        texts = [[str(self.model.data(self.model.index(row, column)) or "") for row in rows] for column in columns]
+        longest = tuple(max((len(text) for text in column), default=0) for column in texts)
+        if longest != self._fitted:
+            self._fitted = longest
+            for column in columns:
+                if column != NAME:  # that one has what is left
+                    self._table.resizeColumnToContents(column)
 
     def set_checks(self, checks: Mapping[int, MarkerCheck]) -> None:
         """Show how the path fits them."""

@@ -86,6 +86,7 @@ class SectionTable(QTableView):
         self.setAccessibleName(self.tr("Lines of the file"))
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setTabKeyNavigation(False)
         self.verticalHeader().hide()
         self.verticalHeader().setDefaultSectionSize(40)
         header = self.horizontalHeader()

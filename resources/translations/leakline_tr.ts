@@ -508,8 +508,12 @@
         <translation>Kaçak adayı bulunmadı. M tuşu imlecin yerine elle işaret koyar.</translation>
     </message>
     <message>
-        <source>Place the leaks anew</source>
-        <translation>Kaçakları yeniden yerleştir</translation>
+        <source>Old places: place the leaks anew</source>
+        <translation>Eski yerler: yeniden yerleştir</translation>
+    </message>
+    <message>
+        <source>Order of the list</source>
+        <translation>Listenin sırası</translation>
     </message>
     <message>
         <source>Tie points were changed: these places are of the path before.</source>
@@ -1123,8 +1127,8 @@
         <translation>Yeri (m)</translation>
     </message>
     <message>
-        <source>Fits to (m)</source>
-        <translation>Uyum (m)</translation>
+        <source>Fits to</source>
+        <translation>Uyum</translation>
     </message>
     <message>
         <source>If we had not known it, the path would have been off here by {metres} m.</source>
@@ -1135,8 +1139,8 @@
         <translation>Zaman (s)</translation>
     </message>
     <message>
-        <source>Without it (m)</source>
-        <translation>O olmasa (m)</translation>
+        <source>Without it</source>
+        <translation>O olmasa</translation>
     </message>
     <message>
         <source>± 1σ</source>
@@ -1232,6 +1236,13 @@
     <message>
         <source>Overview of the whole run</source>
         <translation>Bütün koşuya genel bakış</translation>
+    </message>
+</context>
+<context>
+    <name>PathTools</name>
+    <message>
+        <source>Beside the plan</source>
+        <translation>Planın yanında</translation>
     </message>
 </context>
 <context>

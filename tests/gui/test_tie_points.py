@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QImage, QPainter
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QPushButton
+from PySide6.QtWidgets import QApplication, QPushButton
 from small_survey import DURATION_S, SPEED_MPS, SURVEY, make_folder, make_results, make_track
 
 from app.review_page import ReviewPage
@@ -226,7 +226,7 @@ def test_the_list_of_leaks_says_that_its_places_are_of_the_path_before_and_offer
     settled(qtbot, control)
     assert not page.table._stale.isHidden()
     with qtbot.waitSignal(control.reprocess_asked):
-        page.table.findChild(QPushButton, "process_candidates").click()
+        page.table._stale.click()
     session.undo_stack.undo()
     assert page.table._stale.isHidden()
 
@@ -252,3 +252,23 @@ def test_no_name_covers_the_north_arrow(qapp):
     left, _, right, _ = labels._taken[-1]
     painter.end()
     assert right <= 166.0 or left >= 200.0
+
+
+def test_tab_leads_through_the_table_to_its_buttons(opened):
+    _, page, _ = opened
+    table = page.markers._table
+    table.setFocus()
+    QTest.keyClick(table, Qt.Key.Key_Tab)
+    assert QApplication.focusWidget().objectName() == "add_marker"
+
+
+def test_a_tie_point_under_a_leaks_mark_is_taken_up_once_it_is_selected(opened):
+    session, page, _ = opened
+    plan = page.path
+    leak = replace(session.results.candidates[0], id=99, position_w_m=(90.0, 0.0, 0.0))
+    plan.set_candidates((leak,))
+    place = pixel_of(plan, 90.0, 0.0).toPointF()
+    plan.set_tie_state(frozenset(), None)
+    assert plan.movable_tie_at(place) is None
+    plan.set_tie_state(frozenset(), 1)
+    assert plan.movable_tie_at(place) == 1

@@ -1,5 +1,8 @@
 """The window by mouse, in another language, on its first start, and when it stumbles."""
 
+import subprocess
+import sys
+
 import pytest
 from answering import AnsweringBoxes, CountingSink
 from PySide6.QtCore import QEvent, Qt, QUrl
@@ -150,3 +153,13 @@ def test_a_long_job_shows_its_line_and_can_be_cancelled_there(application, qtbot
     qtbot.waitUntil(lambda: not application.services.jobs.running)
     assert not window._strip.isVisible()
     assert window.boxes.told == []
+
+
+def test_the_window_shows_before_any_heavy_library_is_read():
+    script = (
+        "import sys; import app.application\n"
+        "heavy = {'scipy', 'pyproj', 'matplotlib', 'vqf'} & {name.split('.')[0] for name in sys.modules}\n"
+        "assert not heavy, heavy"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
