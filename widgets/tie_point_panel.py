@@ -24,6 +24,7 @@ ROOT = QModelIndex()
 FIELDS = (
     "enabled", "name", "time_s", "chainage_m", "sigma_m", "latitude", "longitude", "east_m", "north_m", "up_m",
 )  # fmt: skip
+DEGREES = ("latitude", "longitude")  # a millimetre needs eight decimals
 REQUIRED = ("time_s", "sigma_m")
 
 
@@ -95,7 +96,10 @@ class TiePointModel(QAbstractTableModel):
             checked = Qt.CheckState.Checked if value else Qt.CheckState.Unchecked
             return checked if role == Qt.ItemDataRole.CheckStateRole else None
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.EditRole):
-            return value if isinstance(value, str) else number_text(value)
+            if isinstance(value, str):
+                return value
+            whole = role == Qt.ItemDataRole.EditRole or value is None or self._fields[index.column()] in DEGREES
+            return number_text(value if whole else round(value, 3))
         return None
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:  # noqa: ANN401

@@ -24,6 +24,7 @@ from processing.survey import TiePoint
 from widgets.path_paint import Labels, keep_furniture_free
 from widgets.plan_geometry import PlanScale
 from widgets.plot_theme import LIGHT
+from widgets.tie_point_panel import TiePointModel
 
 LEFT = Qt.MouseButton.LeftButton
 MIDDLE_S = 25.0
@@ -272,3 +273,12 @@ def test_a_tie_point_under_a_leaks_mark_is_taken_up_once_it_is_selected(opened):
     assert plan.movable_tie_at(place) is None
     plan.set_tie_state(frozenset(), 1)
     assert plan.movable_tie_at(place) == 1
+
+
+def test_a_length_is_shown_to_a_millimetre_and_edited_whole(qtbot):
+    model = TiePointModel()
+    model.set_points((TiePoint("a", 1.0, chainage_m=2.0, sigma_m=0.9548928305, latitude=40.90121234),))
+    sigma, latitude = model.index(0, 4), model.index(0, 5)
+    assert model.data(sigma) == "0.955"
+    assert model.data(sigma, Qt.ItemDataRole.EditRole) == "0.9548928305"
+    assert model.data(latitude) == "40.90121234"
