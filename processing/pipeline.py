@@ -52,9 +52,9 @@ T = TypeVar("T")
 VERSIONS = {
     "recording": 2,
     "attitude": 7,
-    "odometry": 3,
-    "evidence": 1,
-    "track": 7,
+    "odometry": 4,
+    "evidence": 2,
+    "track": 8,
     "scan": 1,
     "clock": 1,
     "candidates": 1,

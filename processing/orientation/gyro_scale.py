@@ -69,7 +69,7 @@ def calibrate_scale(samples: TrustedSamples, progress: Progress) -> Calibration:
         trial = replace(calibration, gyr_matrix=matrix, bias_radps=calibration.bias_radps + offset)
         found = _equations(replace(samples, calibration=trial), progress.part(0.5 * step, 0.5 * step + 0.5))
         turned = float(np.trace(found.spun.reshape(3, 3)))
-        if turned < _LEAST_TURNS * 2.0 * np.pi:
+        if turned < _LEAST_TURNS * 2.0 * np.pi or len(found.creep) == 0:  # so many holes that no bin is whole
             return calibration
         known = np.concatenate([(matrix - np.eye(3)).ravel(), -offset])
         solution, covariance = _fit(found, known, prior)

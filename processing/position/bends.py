@@ -24,6 +24,7 @@ _LEAST_BEND_RAD = np.radians(10.0)
 _NOISE_RAD = np.radians(3.0)  # of a turn beside the map's: weaving of the ball, corners drawn square
 SLIP_WALK = 0.13  # m/√m: covers 95 % over the wheels of navigation §4.4, so that no map is missed
 _LEAST_GAIN = 10.0  # nats over no map; random turns beside a map gain less in 999 of 1000 cases
+_START_MOST_M = 100.0  # a launch further off than this is another launch
 _LEAST_LEAD = 6.0  # over the mirrored map
 _LEAST_SHARE = 0.99  # of the posterior in one place
 _SIGMA_FLOOR_M = 0.3  # a ball in a bend cuts or climbs
@@ -87,8 +88,11 @@ def find_bends(
 
 
 def start_sigma_m(route: RouteLine) -> float:
-    """Return how far the launch may lie from where the map has it: the map's sigma, and a metre of handling."""
-    return float(np.hypot(1.0, route.sigma_m))
+    """Return how far the launch may lie from where the map has it: the map's sigma, and a metre of handling.
+
+    No further than the map is long, however little it is believed: every place within is a hypothesis of the matching.
+    """
+    return float(np.hypot(1.0, min(route.sigma_m, float(route.chainage_m[-1] - route.chainage_m[0]), _START_MOST_M)))
 
 
 def turning(before_m: FloatArray, here_m: FloatArray, after_m: FloatArray) -> FloatArray:

@@ -123,7 +123,7 @@ def in_spans(time_s: FloatArray, spans: FloatArray) -> BoolArray:
     for start, end in spans:
         first = int(np.searchsorted(time_s, start, side="right")) - 1
         last = int(np.searchsorted(time_s, end, side="left"))
-        touched[max(first, 0) : max(last, 1)] = True
+        touched[max(first, 0) : max(last, first + 1, 1)] = True  # a moment that falls on a row lies in the step after
     return touched
 
 

@@ -29,6 +29,7 @@ _REST_S = 1.0
 _REST_RADPS = np.radians(3.0)
 _REST_RATE_SIGMA = 0.02
 _GAP_S = 0.1
+_LONG_GAP_S = 10.0
 _IN_GAP = 30.0  # a second without samples: 1 m/s and 1°
 _UNHELD = 0.5  # m/s/√s of a foot that never stands
 _SURE_NIS = 16.27  # 99.9 % of chi squared with three degrees of freedom
@@ -67,7 +68,7 @@ def reckon(
     offset = attitude.bias_radps if attitude.bias_radps.ndim == 1 else attitude.bias_radps[index[0]]
 
     def read(rows: slice) -> Inertial:
-        return _inertial(imu, index, rows, gravity, means=means)
+        return _inertial(imu, attitude, index, rows, gravity, means=means)
 
     start = _start(imu, attitude, index, still, offset, settings)
     noise = Noise(
@@ -109,8 +110,12 @@ def _cleaned(time_s: FloatArray, still: BoolArray, least_s: float) -> BoolArray:
     return out
 
 
-def _inertial(imu: ImuSamples, index: IndexArray, rows: slice, gravity: float, *, means: bool) -> Inertial:
-    """The strapdown's inputs for ``rows`` of the usable ones."""
+def _inertial(
+    imu: ImuSamples, attitude: Attitude, index: IndexArray, rows: slice, gravity: float, *, means: bool
+) -> Inertial:
+    """The strapdown's inputs for ``rows`` of the usable ones. Over a gap the attitude's own turn holds, and no longer
+    than ``_GAP_S`` pass: one jolt held for seconds had thrown the foot out of the filter's reach for good.
+    """
     here = index[rows]
     gyr = np.ascontiguousarray(imu.gyr_s_radps[here], dtype=np.float64)
     step = np.diff(imu.time_s[here], prepend=imu.time_s[here[0]])
@@ -118,6 +123,10 @@ def _inertial(imu: ImuSamples, index: IndexArray, rows: slice, gravity: float, *
     if not means:  # rates of the moment: linear in between, coning to second order
         turn[1:] = 0.5 * step[1:, None] * (gyr[1:] + gyr[:-1])
         turn[1:] += np.cross(gyr[:-1], gyr[1:]) * (step[1:, None] ** 2 / 12.0)
+    over = np.flatnonzero(step > _GAP_S)
+    before, after = attitude.quat_ws[here[over - 1]], attitude.quat_ws[here[over]]
+    turn[over] = qt.log_map(qt.multiply(qt.conjugate(before), after))
+    step = np.minimum(step, _GAP_S)
     return Inertial(np.ascontiguousarray(imu.acc_s_mps2[here], dtype=np.float64), gyr, turn, step, gravity)
 
 
@@ -149,8 +158,10 @@ def _updates(
         yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         second = np.unique((time_s[rows] - time_s[0]).astype(np.int64), return_index=True)[1]
         yaw_sigma[second] = np.radians(settings.magnetic_sigma_deg) * np.sqrt(30.0)
-    gap = np.diff(time_s, prepend=time_s[0]) > _GAP_S
-    looser = np.where(np.diff(np.cumsum(gap)[rows], prepend=0) > 0, _IN_GAP, 1.0)
+    gap = np.diff(time_s, prepend=time_s[0])
+    gone = np.diff(np.cumsum(np.where(gap > _GAP_S, gap, 0.0))[rows], prepend=0.0)
+    # the filter sees no more than _GAP_S of a gap; what a minute does not leave of tilt and speed, an hour does not
+    looser = np.where(gone > 0.0, _IN_GAP * np.sqrt(np.clip(gone, _GAP_S, _LONG_GAP_S) / _GAP_S), 1.0)
     return Updates(
         rows,
         np.where(still[rows], sigma, 0.0),
@@ -267,7 +278,8 @@ def _odometry(
 ) -> Odometry:
     node_s = time_s[updates.rows]
     at = np.searchsorted(updates.rows, _nearest(time_s, grid))
-    velocity = smoothed.state[at, 3:6]
+    unseen = np.abs(grid - node_s[at]) > _GAP_S  # in a gap; how far it went there is in the interval
+    velocity = np.where(unseen[:, None], 0.0, smoothed.state[at, 3:6])
     position = smoothed.state[at, :3] + velocity * (grid - node_s[at])[:, None]
     strides = _strides(node_s, smoothed)
     long = [(time_s[a], time_s[b]) for a, b in spans_of(still) if time_s[b] - time_s[a] > _REST_S]

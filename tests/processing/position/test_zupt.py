@@ -185,3 +185,12 @@ def test_an_absolute_heading_keeps_the_path_from_turning():
     ]
     assert turned[0] > 15.0
     assert turned[1] < 0.6 * turned[0]  # a magnetic heading is weak, but does not drift
+
+
+@pytest.mark.parametrize("gone_s", [1.1, 30.0])
+def test_a_gap_amid_a_stride_does_not_throw_the_foot_away(square, gone_s):
+    imu = square.imu
+    late = imu.time_s + np.where(np.arange(len(imu.time_s)) > 0.45 * len(imu.time_s), gone_s, 0.0)
+    imu = replace(imu, time_s=late)
+    odometry = reckon(imu, attitude_of(imu), FOOT, SETTINGS, silent())
+    assert odometry.chainage_m[-1] == pytest.approx(32.0, abs=4.0)
