@@ -52,7 +52,7 @@ T = TypeVar("T")
 VERSIONS = {
     "recording": 2,
     "attitude": 7,
-    "odometry": 4,
+    "odometry": 5,
     "evidence": 2,
     "track": 8,
     "scan": 1,

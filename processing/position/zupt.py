@@ -293,7 +293,7 @@ def _odometry(
     walk = _walked(grid, strides)
 
     def variance(density: float, factor: float) -> FloatArray:
-        return cumulated(np.diff(walk) * (density * factor) ** 2 + lost)
+        return cumulated(np.diff(walk) * (density * factor) ** 2)
 
     return Odometry(
         time_s=grid,
@@ -302,6 +302,7 @@ def _odometry(
         speed_mps=np.gradient(chainage, grid),
         quat_ws=qt.normalise(smoothed.state[at, 6:10]),
         along_var_m2=variance(level, settings.foot_error_factor),
+        lost_var_m2=cumulated(lost) if np.any(lost) else None,
         cross_var_m2=variance(level, settings.foot_error_factor),
         up_var_m2=variance(up, settings.foot_up_error_factor),
         heading_var_rad2=np.radians(settings.heading_walk) ** 2 * (grid - grid[0]),

@@ -81,7 +81,9 @@ def test_a_hole_in_the_samples_is_not_assessed_and_widens(square):
     whole, torn = (reckon(x, attitude, FOOT, SETTINGS, silent()) for x in (imu, holed))
     assert [s.reason for s in torn.not_assessed] == ["imu_masked"]
     assert np.all(np.isfinite(torn.position_w_m))
-    assert torn.along_var_m2[-1] > whole.along_var_m2[-1] + 0.5
+    assert whole.lost_var_m2 is None
+    assert torn.lost_var_m2 is not None
+    assert torn.lost_var_m2[-1] > 0.5
 
 
 def test_whoever_never_moved_or_never_stood_is_told_so():
@@ -194,3 +196,12 @@ def test_a_gap_amid_a_stride_does_not_throw_the_foot_away(square, gone_s):
     imu = replace(imu, time_s=late)
     odometry = reckon(imu, attitude_of(imu), FOOT, SETTINGS, silent())
     assert odometry.chainage_m[-1] == pytest.approx(32.0, abs=4.0)
+
+
+def test_what_lies_after_a_long_gap_is_known_no_better_than_a_walker_may_have_gone(square):
+    imu = square.imu
+    late = np.arange(len(imu.time_s)) > 0.45 * len(imu.time_s)
+    imu = replace(imu, time_s=imu.time_s + np.where(late, 600.0, 0.0))
+    odometry = reckon(imu, attitude_of(imu), FOOT, SETTINGS, silent())
+    assert odometry.lost_var_m2 is not None
+    assert np.sqrt(odometry.lost_var_m2[-1]) > 300.0  # half a metre a second
