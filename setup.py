@@ -3,6 +3,7 @@
 The kernels are Cython in pure-Python mode: where no compiler is at hand they stay Python, slower but the same.
 """
 
+import os
 from pathlib import Path
 
 from Cython.Build import cythonize
@@ -16,5 +17,6 @@ setup(
         language_level=3,
         compiler_directives={"boundscheck": False, "wraparound": False, "cdivision": True, "embedsignature": True},
         force=False,
-    )
+    ),
+    options={"build_ext": {"parallel": os.cpu_count()}},  # the first set-up waits for these
 )
