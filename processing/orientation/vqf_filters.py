@@ -6,7 +6,6 @@ samples divided by the median period: the integrated angles stay those of the tr
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -83,11 +82,6 @@ def six_axes(block: Block, period_s: float) -> FloatArray:
     from vqf import offlineVQF
 
     return np.asarray(offlineVQF(block.turn / period_s, block.acc_g * 9.81, None, period_s)["quat6D"], dtype=np.float64)
-
-
-def offline_vqf_without_field(samples: TrustedSamples, yaw_rad: float, progress: Progress) -> Estimate:
-    """Return :func:`offline_vqf` with six axes, whatever the magnetometer says."""
-    return offline_vqf(replace(samples, field=None), yaw_rad, progress)
 
 
 def bias_in_motion(samples: TrustedSamples) -> tuple[FloatArray, FloatArray]:

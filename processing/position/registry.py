@@ -10,7 +10,6 @@ from processing.position.fit_results import Fitted
 from processing.position.fitting import FitProblem, fit, prepare
 from processing.position.gathering import gather, gather_on_route
 from processing.position.odometry import Odometry, held_back
-from processing.position.tie_checks import TieCheck
 from processing.progress import Progress, silent
 from processing.settings import PositionSettings
 from processing.survey import Attitude, ImuSamples, Motion, Survey, Track
@@ -115,8 +114,3 @@ def problem_of(reckoned: Reckoned, survey: Survey, settings: PositionSettings) -
     """
     evidence = gather_on_route(reckoned.odometry, survey, settings, silent(), reckoned.evidence)
     return prepare(reckoned.odometry, survey, evidence, settings)
-
-
-def check_ties(odometry: Odometry, survey: Survey, settings: PositionSettings) -> tuple[TieCheck, ...]:
-    """Return how each enabled tie agrees with all the others (leave-one-out), without reckoning the run again."""
-    return fit(prepare(odometry, survey, Evidence(), settings), survey, settings, silent()).checks
