@@ -10,6 +10,7 @@ from processing.position.distance import NORMAL_95, places_at, times_at
 from processing.progress import Progress, silent
 from processing.settings import DetectorSettings
 from processing.sound.cells import CELL_M, Cells, Frames, band_log_power, cells_of, frames_of
+from processing.sound.classes import class_of, score_of, standing
 from processing.sound.envelope import find_by_envelope
 from processing.sound.level_along import LevelAlong, level_along
 from processing.sound.loud import find_in_metres_or_loud
@@ -23,7 +24,6 @@ from processing.survey import (
     ClockMap,
     Finding,
     ImuSamples,
-    LeakClass,
     Motion,
     Severity,
     Stretch,
@@ -42,12 +42,6 @@ DETECTORS: Mapping[str, Callable[[Listening], list[Spot]]] = {
 
 _METRES_AT_LEAST_M = 15.0  # below it there are not enough cells for the statistics of the bands
 _UNHEARD_S = 1.0
-_BUMP_SHARE = 0.5
-_BUMP_WIDTH_M = 0.2  # narrower than any leak is heard, even with the nose on it
-_NO_LEAK_FACTOR = 0.3  # on the score of what is labelled as something else
-_LIKELY = 0.5
-_STAND_S = 2.0
-_FADE_DB = 3.0
 _NAN_PLACE = (float("nan"), float("nan"), float("nan"))
 
 
@@ -158,10 +152,10 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
     evidence = {**spot.evidence, "sigma_sound_m": spot.sigma if track is not None else float("nan")}
     nan = float("nan")
     if track is None:
-        leak_class = _class_of(spot, evidence)
+        leak_class = class_of(spot, evidence)
         return Candidate(
             id=0, time_s=spot.place, chainage_m=nan, chainage_low95_m=nan, chainage_high95_m=nan,
-            position_w_m=_NAN_PLACE, score=_score_of(spot, leak_class), level_db=spot.level_db, leak_class=leak_class,
+            position_w_m=_NAN_PLACE, score=score_of(spot, leak_class), level_db=spot.level_db, leak_class=leak_class,
             band_hz=spot.band_hz, width_m=nan, evidence=evidence,
         )  # fmt: skip
     reached, left = times_at(track, spot.place)
@@ -172,9 +166,9 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
     sigmas = (float(at.sigma_along_m[0]), clock.sigma_s * speed, spot.sigma)
     half = NORMAL_95 * float(np.sqrt(np.square(sigmas).sum()))
     evidence |= {"sigma_path_m": sigmas[0], "sigma_clock_m": sigmas[1], "speed_mps": speed}
-    evidence |= _standing(spot, listening)
+    evidence |= standing(spot, listening)
     east, north, up = (float(x) for x in at.position_w_m[0])
-    leak_class = _class_of(spot, evidence)
+    leak_class = class_of(spot, evidence)
     return Candidate(
         id=0,
         time_s=time_s,
@@ -182,44 +176,13 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
         chainage_low95_m=spot.place - half,
         chainage_high95_m=spot.place + half,
         position_w_m=(east, north, up),
-        score=_score_of(spot, leak_class),
+        score=score_of(spot, leak_class),
         level_db=spot.level_db,
         leak_class=leak_class,
         band_hz=spot.band_hz,
         width_m=spot.width,
         evidence=evidence,
     )
-
-
-def _standing(spot: Spot, listening: Listening) -> dict[str, str | float]:
-    """Return how long the device stood at the spot and how much the sound changed meanwhile.
-
-    A leak goes on while the device stands; what comes and goes then belongs to a moment, not to a place.
-    """
-    frames, scan = listening.frames, listening.scan
-    still = (frames.speed_mps < listening.settings.min_speed_mps) & (np.asarray(scan.state) == 0)
-    still &= np.abs(frames.chainage_m - spot.place) <= max(spot.width, 0.5)
-    seconds = float(np.count_nonzero(still)) * scan.frame_s
-    if seconds < _STAND_S:
-        return {"stood_s": seconds}
-    inside = np.sqrt(scan.bands_hz[:-1, 0] * scan.bands_hz[:-1, 1])
-    wins = np.flatnonzero((inside >= spot.band_hz[0]) & (inside <= spot.band_hz[1]))
-    power = np.exp([band_log_power(scan, int(b))[still] for b in wins]).sum(axis=0) if len(wins) else np.zeros(0)
-    size = max(1, round(1.0 / scan.frame_s))
-    seconds_db = 10 * np.log10([chunk.mean() for chunk in np.array_split(power, max(1, len(power) // size))])
-    return {"stood_s": seconds, "faded_db": float(np.ptp(seconds_db))}
-
-
-def _class_of(spot: Spot, evidence: Mapping[str, str | float]) -> LeakClass:
-    if float(evidence.get("impulsive_share", 0.0)) > _BUMP_SHARE or spot.width <= _BUMP_WIDTH_M:
-        return LeakClass.BUMP
-    if float(evidence.get("faded_db", 0.0)) > max(_FADE_DB, 0.5 * spot.level_db):
-        return LeakClass.TRAFFIC
-    return LeakClass.LEAK if spot.score >= _LIKELY else LeakClass.UNKNOWN
-
-
-def _score_of(spot: Spot, leak_class: LeakClass) -> float:
-    return spot.score if leak_class in (LeakClass.LEAK, LeakClass.UNKNOWN) else _NO_LEAK_FACTOR * spot.score
 
 
 def _unheard(scan: SoundScan, clock: ClockMap, track: Track | None) -> tuple[Stretch, ...]:
