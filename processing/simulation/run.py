@@ -10,6 +10,7 @@ from processing.simulation.carried import Carrying, carry
 from processing.simulation.drive import DrivePlan
 from processing.simulation.events import Blow, blows, felt_w_mps2, time_at_chainage
 from processing.simulation.imu_errors import measured
+from processing.simulation.lines import lines_of
 from processing.simulation.motion import TrueMotion
 from processing.simulation.paperwork import survey_of
 from processing.simulation.rolling import INNER_RATE_HZ, roll, rolling_of
@@ -122,7 +123,8 @@ def _sound(
     frames, clock = sound_length(scenario, float(motion.time_s[-1]))
     span = (min(clock.start_s, 0.0), float(motion.time_s[-1]) + 2.0)
     sources = sources_of(scenario, route, span, frequencies(rate), rng)
-    return SoundPlan(rate, frames, clock, motion, sources, all_blows, scenario.sound.pumps, seed)
+    lines = lines_of(scenario, (0.0, max(route.length_m, 1.0)), seed)
+    return SoundPlan(rate, frames, clock, motion, sources, all_blows, scenario.sound.pumps, seed, lines)
 
 
 def _places(scenario: Scenario, motion: TrueMotion, route: SmoothRoute) -> tuple[PlacedTruth, ...]:

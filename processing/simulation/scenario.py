@@ -207,7 +207,11 @@ class Faults:
 class Local:
     """A sound that belongs to a place: power ``A/(1 + ((s − chainage_m)/half_width_m)²)``, a bell of ``octaves`` (full
     width at half power) around ``centre_hz``; ``snr_db`` is in that band at closest approach, above flow and rolling
-    noise at nominal speed. ``flutter`` makes it gurgle, ``turning`` lets it fade as the microphone turns away."""
+    noise at nominal speed. ``flutter`` makes it gurgle, ``turning`` lets it fade as the microphone turns away.
+
+    ``shape`` may be ``exponential``: power ``A·2^(−|s − chainage_m|/half_width_m)``. With ``skew`` it dies away so many
+    times as slowly behind the place as before it. ``spectrum``, rising points (Hz, dB), stands instead of the bell;
+    ``centre_hz`` and ``octaves`` then only say in which band ``snr_db`` is meant."""
 
     kind: LeakClass
     chainage_m: float
@@ -218,6 +222,9 @@ class Local:
     name: str = ""
     flutter: float = 0.0
     turning: float = 0.0
+    shape: str = "lorentz"
+    skew: float = 1.0
+    spectrum: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -268,6 +275,27 @@ class Knocks:
 
 
 @dataclass(frozen=True)
+class RollingLine:
+    """A tone that goes ``order`` times through its period in a turn of the ball, ``level_dbfs`` (rms) at nominal speed.
+
+    Its power grows with the cube of the speed, as rolling noise does.
+    """
+
+    order: float
+    level_dbfs: float = -50.0
+
+
+@dataclass(frozen=True)
+class Scraping:
+    """Bursts of noise in ``band_hz`` while something rubs: so many a minute under way, some ``duration_s`` long."""
+
+    per_minute: float = 0.0
+    level_dbfs: float = -45.0
+    duration_s: float = 1.0
+    band_hz: tuple[float, float] = (1500.0, 5000.0)
+
+
+@dataclass(frozen=True)
 class Sound:
     """The recorder and the noise that is always there; levels are rms in dB of full scale at nominal speed."""
 
@@ -287,6 +315,15 @@ class Sound:
     local: tuple[Local, ...] = ()
     timed: tuple[Timed, ...] = ()
     pumps: tuple[Pump, ...] = ()
+    flow_slope: float = 1.0  # power falls as 1/f^slope; 1 is pink
+    flow_corner_hz: float = 15.0  # below it the flow's spectrum is flat
+    rolling_band_hz: tuple[float, float] = (250.0, 2500.0)
+    rolling_third: float = 0.0  # modulation of its power three times a turn
+    rolling_lines: tuple[RollingLine, ...] = ()
+    lines_stable_m: float = 8.0  # over which a line's strength and phase wander
+    lines_fade_db: float = 1.0  # rms of its strength
+    lines_wander_rad: float = 0.25  # rms of its phase
+    scraping: Scraping = field(default_factory=Scraping)
 
 
 @dataclass(frozen=True)

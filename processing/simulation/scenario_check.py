@@ -2,10 +2,11 @@
 
 import dataclasses
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 
 from processing.simulation.route import centre_line
-from processing.simulation.scenario import Foot, Scenario
+from processing.simulation.scenario import Foot, Scenario, Sound
 from processing.survey import Motion
 
 #: field name (in any table, or ``table.field``) → least and greatest value
@@ -75,6 +76,18 @@ _LIMITS: Mapping[str, tuple[float, float]] = {
     "rolling_modulation": (0.0, 5.0),
     "flutter": (0.0, 2.0),
     "turning": (0.0, 1.0),
+    "skew": (0.05, 20.0),
+    "spectrum": (-300.0, 1e5),
+    "flow_slope": (-3.0, 6.0),
+    "flow_corner_hz": (1.0, 1e5),
+    "band_hz": (5.0, 1e5),
+    "rolling_band_hz": (5.0, 1e5),
+    "rolling_third": (0.0, 5.0),
+    "order": (0.1, 1e4),
+    "lines_stable_m": (0.05, 1e5),
+    "lines_fade_db": (0.0, 20.0),
+    "lines_wander_rad": (0.0, 20.0),
+    "per_minute": (0.0, 600.0),
     "frequency_hz": (1.0, 1e5),
     "harmonics": (1, 200),
     "spacing_m": (0.0, 1e5),
@@ -97,6 +110,7 @@ def check(scenario: Scenario) -> None:
         if not low <= value <= high:
             raise ValueError(f"'{path}' = {value:g} is outside {low:g} … {high:g}")
     _check_words(scenario)
+    _check_sounds(scenario.sound)
     _check_gaits(scenario.foot)
     _check_size(scenario)
 
@@ -137,6 +151,18 @@ def _check_words(scenario: Scenario) -> None:
     file = scenario.sound.file
     if Path(file).name != file or Path(file).suffix.lower() not in {".wav", ".flac", ".w64"}:
         raise ValueError("'sound.file' must be a plain name that ends in .wav, .flac or .w64")
+
+
+def _check_sounds(sound: Sound) -> None:
+    for local in sound.local:
+        if local.shape not in ("lorentz", "exponential"):
+            raise ValueError("'sound.local.shape' must be one of lorentz, exponential")
+        hz = [point[0] for point in local.spectrum]
+        if hz and (len(hz) < 2 or hz[0] < 1.0 or any(b <= a for a, b in pairwise(hz))):
+            raise ValueError("'sound.local.spectrum' needs two points or more, of rising frequency")
+    for name, (low, high) in (("rolling_band_hz", sound.rolling_band_hz), ("scraping.band_hz", sound.scraping.band_hz)):
+        if low >= high:
+            raise ValueError(f"'sound.{name}' must rise")
 
 
 def _check_gaits(foot: Foot) -> None:

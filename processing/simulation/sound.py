@@ -6,12 +6,13 @@ to one. Each source's power is thus exactly its own, and the cost does not grow 
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from processing.simulation.events import Blow
+from processing.simulation.lines import LinesPlan, line_sound
 from processing.simulation.motion import TrueMotion
 from processing.simulation.scenario import Pump, Scenario
 from processing.simulation.sources import Heard, Source
@@ -35,6 +36,7 @@ class SoundPlan:
     blows: tuple[Blow, ...]
     pumps: tuple[Pump, ...]
     seed: int
+    lines: LinesPlan = field(default_factory=LinesPlan)
 
     def heard_at(self, audio_s: npt.NDArray[np.float64]) -> Heard:
         """Return the going at moments of the audio clock."""
@@ -79,6 +81,9 @@ def sound_blocks(plan: SoundPlan) -> Iterator[Samples]:
         first = max(done, 0)
         block = block[first - done : plan.frames - done]
         _add_pumps(block, plan, combs, first)
+        if plan.lines.lines:
+            audio_s = (first + np.arange(len(block))) / plan.rate_hz
+            block += line_sound(plan.lines, plan.heard_at(audio_s), plan.rate_hz)
         ringing.add_to(block, first)
         done += _FRAMES_A_BLOCK * hop
         yield np.clip(block, -1.0, 1.0, out=block)

@@ -1,15 +1,33 @@
 """Shapes of spectra: power per FFT bin, summing to one, so that a level times a shape is a sound of that level."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from processing.survey import FloatArray
 
 _LOWEST_HZ = 15.0  # nothing below: the recorder's high-pass
+_BEYOND_DB = 24.0
 
 
 def pink(frequency_hz: FloatArray) -> FloatArray:
     """Return 1/f power above 15 Hz: flow noise."""
-    shape = np.where(frequency_hz >= _LOWEST_HZ, 1.0 / np.maximum(frequency_hz, _LOWEST_HZ), 0.0)
+    return coloured(frequency_hz, 1.0, _LOWEST_HZ)
+
+
+def coloured(frequency_hz: FloatArray, slope: float, corner_hz: float) -> FloatArray:
+    """Return 1/f^slope power, flat below ``corner_hz``, nothing below 15 Hz."""
+    shape = np.where(frequency_hz >= _LOWEST_HZ, np.maximum(frequency_hz, max(corner_hz, _LOWEST_HZ)) ** -slope, 0.0)
+    return np.asarray(shape / shape.sum())
+
+
+def through(frequency_hz: FloatArray, points: Sequence[tuple[float, float]]) -> FloatArray:
+    """Return the spectrum through ``points`` (Hz rising, dB), straight over log frequency; 24 dB an octave beyond."""
+    at, level = np.log2([hz for hz, _ in points]), np.array([db for _, db in points])
+    octave = np.log2(np.maximum(frequency_hz, 1.0))
+    beyond = np.maximum(at[0] - octave, 0.0) + np.maximum(octave - at[-1], 0.0)
+    db = np.interp(octave, at, level - level.max()) - _BEYOND_DB * beyond
+    shape = np.where(frequency_hz >= _LOWEST_HZ, 10 ** (db / 10), 0.0)
     return np.asarray(shape / shape.sum())
 
 
