@@ -11,6 +11,7 @@ does of its own when the scan's format has changed.
 """
 
 import json
+import os
 import shutil
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -84,8 +85,13 @@ def trial(setting, seed, folder, mixed=None, name=None):
     make = f"{digest(scenario, seed, _VERSION)}-{SCAN_VERSION}"
     told = here / "trial.json"
     if not told.is_file() or json.loads(told.read_text())["make"] != make:
+        aside = here.with_name(f".{here.name}-{os.getpid()}")  # two processes may make it at once
+        _make(scenario, seed, aside, make, mixed)
         shutil.rmtree(here, ignore_errors=True)
-        _make(scenario, seed, here, make, mixed)
+        try:
+            aside.rename(here)
+        except OSError:  # the other was quicker, and its run is the same
+            shutil.rmtree(aside)
     return _loaded(setting, seed, here)
 
 
@@ -123,6 +129,7 @@ def told_path(run, seed):
 
 
 def _make(scenario, seed, here, make, mixed):
+    shutil.rmtree(here, ignore_errors=True)
     here.mkdir(parents=True)
     run = simulate(scenario, seed)
     wav = here / "audio.wav"

@@ -107,13 +107,11 @@ def print_tables(results, fixed):
             print_recall(f"{name} @{per_km:g}/km", outcome, threshold_at(outcome, per_km), per_km)
         if fixed is not None and name in fixed:
             print_recall(f"{name} fixed", outcome, fixed[name])
+    print("\nFA/km at score >= 0.2, 0.5, 0.8; average precision; of hits at >= -2 dB the apex error in m (median, p95,")
     print(
-        "\nFA/km at score >= 0.2, 0.5, 0.8; average precision; of hits at >= -2 dB the apex error in m (median, p95, rms)"
+        "rms) beside the told path and beside the truth, and % inside the 95 % interval of the sound alone and of the"
     )
-    print(
-        "beside the told path and beside the truth, and % inside the 95 % interval of the sound alone and of the whole,"
-    )
-    print("with its median half-width in m; then the same shares for hits of all SNRs")
+    print("whole, with its median half-width in m; then the same shares for hits of all SNRs")
     for name, outcome in results.items():
         at = threshold_at(outcome, 1.0)
         own = apex(outcome, at)
