@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QHBoxLayout,
-    QLabel,
     QLineEdit,
     QMainWindow,
     QPlainTextEdit,
@@ -21,14 +20,15 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app import actions, appearance
-from app.actions import ACTIONS, PAGE_TITLES, Needs, Page
+from app import actions, appearance, enabling
+from app.actions import ACTIONS, PAGE_TITLES, Page
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.files_control import FilesControl
 from app.help_control import HelpControl
 from app.jobs import Job, Jobs
 from app.methods import methods
+from app.notices import Notices
 from app.path_controls import PathControls
 from app.player import Player
 from app.report_control import ReportControl
@@ -38,7 +38,6 @@ from app.route_control import RouteControl
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from app.window_memory import WindowMemory
-from processing import messages
 from processing.errors import LeaklineError
 from widgets.job_strip import JobStrip
 from widgets.message_boxes import MessageBoxes
@@ -47,7 +46,6 @@ from widgets.start_page import StartPage
 from widgets.step_bar import StepBar
 
 REVIEW_PAGES = ("path", "sound", "leaks")
-TOLD_MS = 15_000
 TOOLS = ("open", "undo", "redo", "mark", "export")
 
 
@@ -76,6 +74,7 @@ class MainWindow(QMainWindow):
         self._typing = False
         self.setAcceptDrops(True)
         self.boxes = MessageBoxes(self, language)
+        self.notices = Notices(language, self)
         self._build_pages()
         self.player = Player(self._session, self.review_page.playback, self._preferences, services.make_sink, self)
         self.review = ReviewControl(self._session, self.review_page, self.player, language, self)
@@ -104,8 +103,9 @@ class MainWindow(QMainWindow):
         self.data_page = DataPage(self._language, methods(self._language))
         self.review_page = ReviewPage(self._session.cursor, self._theme)
         self.report_panel = ReportPanel(self._language)
+        self._plain_pages = {"start": self.start_page, "data": self.data_page, "report": self.report_panel}
         self._stack = QStackedWidget()
-        for page in (self.start_page, self.data_page, self.review_page, self.report_panel):
+        for page in (*self._plain_pages.values(), self.review_page):
             self._stack.addWidget(page)
         self.page = "start"
 
@@ -127,24 +127,12 @@ class MainWindow(QMainWindow):
         )
         self.step_bar.add_tools([self.actions_by_id[name] for name in TOOLS])
         self.step_bar.page_chosen.connect(self.show_page)
-        self._banner = QLabel()
-        self._banner.setObjectName("banner")
-        self._banner.setTextFormat(Qt.TextFormat.PlainText)
-        self._banner.setWordWrap(True)
         self._strip = JobStrip(self._language)
-        self._told = QLabel()
-        self._told.setObjectName("told")
-        self._told.setTextFormat(Qt.TextFormat.PlainText)
-        self._told.setMargin(6)
-        self._told.hide()
-        self._told_timer = QTimer(self)
-        self._told_timer.setSingleShot(True)
-        self._told_timer.timeout.connect(self._told.hide)
         right = QVBoxLayout()
         right.setSpacing(0)
-        right.addWidget(self._banner)
+        right.addWidget(self.notices.banner)
         right.addWidget(self._stack, 1)
-        right.addWidget(self._told)
+        right.addWidget(self.notices.told)
         right.addWidget(self._strip)
         central = QWidget()
         layout = QHBoxLayout(central)
@@ -169,21 +157,21 @@ class MainWindow(QMainWindow):
         session.selection_changed.connect(self._show_enabled)
         session.candidates_changed.connect(self._show_enabled)
         session.refused.connect(self._on_failure)
-        session.undo_stack.indexChanged.connect(self._show_undo)
+        session.undo_stack.indexChanged.connect(self._show_enabled)
         jobs.started.connect(self._on_job)
         jobs.failed.connect(self._on_failure)
         self.start_page.open_asked.connect(self.files.ask_open)
         self.start_page.demo_asked.connect(self.files.open_demo)
         self.start_page.recent_chosen.connect(lambda text: self.files.open_path(Path(text)))
         self.files.page_asked.connect(self.show_page)
-        self.files.told.connect(self._tell)
-        self.report.told.connect(self._tell)
+        self.files.told.connect(self.notices.tell)
+        self.report.told.connect(self.notices.tell)
         self.path.reprocess_asked.connect(lambda: self.files.reprocess(show=self.page))
-        self.path.failed.connect(self._tell_error)
-        self.player.failed.connect(self._tell_error)
+        self.path.failed.connect(self.notices.tell_error)
+        self.player.failed.connect(self.notices.tell_error)
         self.review_page.band_changed.connect(self.files.change_band)
         self.files.band_settled.connect(self.review_page.spectrogram.set_band)
-        self.review_page.spectrogram.read_failed.connect(self._tell_error)
+        self.review_page.spectrogram.read_failed.connect(self.notices.tell_error)
         self.data_page.findings.moment_chosen.connect(self._show_moment)
         application = QApplication.instance()
         assert isinstance(application, QApplication)
@@ -202,8 +190,7 @@ class MainWindow(QMainWindow):
             self.review_page.focus_views()
         else:
             self.review_page.decision.flush()
-            widget = {"start": self.start_page, "data": self.data_page, "report": self.report_panel}[page]
-            self._stack.setCurrentWidget(widget)
+            self._stack.setCurrentWidget(self._plain_pages[page])
         if page == "report":
             self.report.refresh()
         if page != "start":
@@ -253,53 +240,17 @@ class MainWindow(QMainWindow):
         session = self._session
         name = session.survey.info.name or (session.folder.path.stem if session.folder is not None else "")
         self.setWindowTitle(f"{name} – Leakline" if session.folder is not None else "Leakline")
-        hints = []
-        if session.folder is not None:
-            if session.survey.info.simulated:
-                hints.append(self.tr("Demonstration (simulated): nothing here is a real pipe"))
-            if session.folder.read_only:
-                hints.append(self.tr("Read-only: nothing can be changed"))
-            if session.results is not None and session.results.not_assessed:
-                text = self.tr("Not assessed (hatched): {count}")
-                hints.append(text.format(count=len(session.results.not_assessed)))
-            if session.orphans:
-                text = self.tr("Earlier verdicts without a candidate: {count}, see the data page")
-                hints.append(text.format(count=len(session.orphans)))
-        self._banner.setText("   ·   ".join(hints))
-        self._banner.setVisible(bool(hints))
+        self.notices.show_state(session)
 
     def _show_enabled(self) -> None:
         session = self._session
         reviewing = session.results is not None and self.page in REVIEW_PAGES
-        met = {
-            Needs.NOTHING: True,
-            Needs.SURVEY: session.folder is not None,
-            Needs.RESULTS: reviewing,
-            Needs.CANDIDATE: reviewing and session.selected is not None,
-            Needs.WRITABLE: session.writable,
-        }
-        for row in ACTIONS:
-            self.actions_by_id[row.id].setEnabled(met[row.needs])
+        enabling.show_enabled(self.actions_by_id, session, reviewing=reviewing)
         self.actions_by_id["route"].setEnabled(self.route.ready)
         self.actions_by_id["route_remove"].setEnabled(self.route.ready and self.data_page.survey.route is not None)
-        for name in ("mark", "tie"):
-            self.actions_by_id[name].setEnabled(reviewing and session.writable)
-        self.actions_by_id["export"].setEnabled(session.results is not None)
         for page in (*REVIEW_PAGES, "report"):
             self.step_bar.set_enabled(page, enabled=session.results is not None)
         self.step_bar.set_enabled("data", enabled=session.folder is not None or self.files.previewing)
-        self._show_undo()
-
-    def _show_undo(self) -> None:
-        stack = self._session.undo_stack
-        for name, able, text in (
-            ("undo", stack.canUndo(), stack.undoText()),
-            ("redo", stack.canRedo(), stack.redoText()),
-        ):
-            action = self.actions_by_id[name]
-            action.setEnabled(able and self._session.folder is not None)
-            action.setStatusTip(text)
-            action.setToolTip(f"{action.text()}: {text}" if text else action.text())
 
     def _on_focus(self, _old: QWidget | None, new: QWidget | None) -> None:
         typing = isinstance(new, QLineEdit | QTextEdit | QPlainTextEdit | QAbstractSpinBox) or (
@@ -328,18 +279,6 @@ class MainWindow(QMainWindow):
             self.boxes.error(error)
             return
         raise error  # the crash guard logs and tells it
-
-    def _tell_error(self, error: Exception) -> None:
-        """Tell without a box what may come again with every move, such as a stick that was pulled out."""
-        if isinstance(error, LeaklineError):
-            self._tell(messages.error_sentence(error, self._language))
-        else:
-            self._tell(str(error))
-
-    def _tell(self, text: str) -> None:
-        self._told.setText(text)
-        self._told.show()
-        self._told_timer.start(TOLD_MS)
 
     def save_diagnostics(self) -> None:
         """Write the zip for support."""
@@ -388,6 +327,6 @@ class MainWindow(QMainWindow):
         """Qt: put what is still being typed on disk; everything else is there already."""
         self.review_page.decision.flush()
         self.player.stop()
-        self._told_timer.stop()
+        self.notices.stop()
         self._memory.save()
         super().closeEvent(event)

@@ -27,7 +27,7 @@ class PathControls(QObject):
         self.comparison = ComparisonControl(session, jobs, page.methods, page.path, language, self)
         self.quality = QualityControl(session, page.quality, language, self)
         self.ties = TieControl(session, page, page.markers, self)
-        page.tools.chosen.connect(lambda name: self.quality.set_shown(name == "quality"))
+        page.tools.chosen.connect(lambda _name: self.quality.set_shown(page.tools.is_in_front("quality")))
         for control in (self.comparison, self.ties):
             control.reprocess_asked.connect(self.reprocess_asked)
         self.ties.failed.connect(self.failed)

@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidget
 
 from app import view_data
-from app.path_tools import PathTools
+from app.page_tools import PageTools, TabTools
 from processing.survey import TiePoint, Track
 from widgets.candidate_table import CandidateRow, CandidateTable
 from widgets.decision_panel import DecisionPanel
@@ -83,17 +83,18 @@ class ReviewPage(QWidget):
         self._strips = _splitter(
             Qt.Orientation.Vertical, "strips", self.overview, self.spectrogram, self.level, self.imu
         )
-        self.tools = PathTools(self._strips, self.tr("Motion"))
+        side = QWidget()
+        layout = QVBoxLayout(side)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.table, 1)
+        layout.addWidget(self.decision)
+        beside = TabTools(self._strips, self.tr("Motion"), "path_tools")
+        self._side = TabTools(side, self.tr("Leaks"), "side_tools")
+        self.tools = PageTools(beside, self._side, self)
         self.tools.add_tool("markers", self.tr("Tie points"), self.markers)
         self.tools.add_tool("methods", self.tr("Methods"), self.methods)
         self.tools.add_tool("quality", self.tr("Quality"), self.quality)
-        side = QWidget()
-        layout = QVBoxLayout(side)
-        layout.setContentsMargins(4, 0, 0, 0)
-        layout.addWidget(self.table, 1)
-        layout.addWidget(self.decision)
-        self._side = side
-        self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, self.tools, side)
+        self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, beside, self._side)
         foot = QHBoxLayout()
         foot.addWidget(self.playback, 1)
         foot.addWidget(self._readout)
@@ -115,14 +116,14 @@ class ReviewPage(QWidget):
         path, leaks = arrangement == "path", arrangement == "leaks"
         self._maps.setVisible(arrangement != "sound")
         self._side.setVisible(not path)
-        self.tools.set_tabs_shown(path)
+        self.tools.set_page(arrangement)
         self.path.set_compared_visible(path)
         self.spectrogram.setVisible(not path)
         self.imu.setVisible(not leaks)
         self.level.set_x_axis_visible(leaks)
         self.imu.set_x_axis_visible(True)
         width, height = max(self.width(), 1000), max(self.height(), 500)
-        shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.7, 0.3), "leaks": (0.23, 0.47, 0.30)}[arrangement]
+        shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.66, 0.34), "leaks": (0.23, 0.47, 0.30)}[arrangement]
         self._columns.setSizes([round(width * s) for s in shares])
         strips = {"path": (0.15, 0.0, 0.3, 0.55), "sound": (0.1, 0.4, 0.2, 0.3), "leaks": (0.12, 0.53, 0.35, 0.0)}
         self._strips.setSizes([round(height * s) for s in strips[arrangement]])
@@ -197,7 +198,7 @@ class ReviewPage(QWidget):
         """Draw everything in this theme."""
         for view in self.views:
             view.apply_theme(theme)
-        self.quality.apply_theme(theme)
+        self.tools.apply_theme(theme)
         self.table.set_theme(theme)
         self.decision.set_theme(theme)
 

@@ -1076,14 +1076,6 @@
         <translation>Veri</translation>
     </message>
     <message>
-        <source>Demonstration (simulated): nothing here is a real pipe</source>
-        <translation>Tanıtım (benzetim): buradaki hiçbir şey gerçek bir boru değil</translation>
-    </message>
-    <message>
-        <source>Earlier verdicts without a candidate: {count}, see the data page</source>
-        <translation>Adayı kalmamış eski karar: {count}, veri sayfasına bakın</translation>
-    </message>
-    <message>
         <source>Leaks</source>
         <translation>Kaçaklar</translation>
     </message>
@@ -1092,20 +1084,12 @@
         <translation>Ses kartı aranıyor</translation>
     </message>
     <message>
-        <source>Not assessed (hatched): {count}</source>
-        <translation>Değerlendirilmeyen (taralı): {count}</translation>
-    </message>
-    <message>
         <source>Path</source>
         <translation>Yol</translation>
     </message>
     <message>
         <source>Please wait until the work in progress has ended.</source>
         <translation>Lütfen süren işin bitmesini bekleyin.</translation>
-    </message>
-    <message>
-        <source>Read-only: nothing can be changed</source>
-        <translation>Salt okunur: hiçbir şey değiştirilemez</translation>
     </message>
     <message>
         <source>Report</source>
@@ -1225,6 +1209,25 @@
     </message>
 </context>
 <context>
+    <name>Notices</name>
+    <message>
+        <source>Demonstration (simulated): nothing here is a real pipe</source>
+        <translation>Tanıtım (benzetim): buradaki hiçbir şey gerçek bir boru değil</translation>
+    </message>
+    <message>
+        <source>Earlier verdicts without a candidate: {count}, see the data page</source>
+        <translation>Adayı kalmamış eski karar: {count}, veri sayfasına bakın</translation>
+    </message>
+    <message>
+        <source>Not assessed (hatched): {count}</source>
+        <translation>Değerlendirilmeyen (taralı): {count}</translation>
+    </message>
+    <message>
+        <source>Read-only: nothing can be changed</source>
+        <translation>Salt okunur: hiçbir şey değiştirilemez</translation>
+    </message>
+</context>
+<context>
     <name>OptionalNumber</name>
     <message>
         <source>Allowed: {low} … {high}</source>
@@ -1236,13 +1239,6 @@
     <message>
         <source>Overview of the whole run</source>
         <translation>Bütün koşuya genel bakış</translation>
-    </message>
-</context>
-<context>
-    <name>PathTools</name>
-    <message>
-        <source>Beside the plan</source>
-        <translation>Planın yanında</translation>
     </message>
 </context>
 <context>
@@ -1605,6 +1601,10 @@
     <message>
         <source>E {east}  N {north} m</source>
         <translation>D {east}  K {north} m</translation>
+    </message>
+    <message>
+        <source>Leaks</source>
+        <translation>Kaçaklar</translation>
     </message>
     <message>
         <source>Methods</source>

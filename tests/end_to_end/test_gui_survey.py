@@ -46,7 +46,7 @@ def test_a_simulated_folder_becomes_a_confirmed_leak_in_the_files(window, qtbot,
     window.files.open_path(tmp_path / "device")
     qtbot.waitUntil(lambda: window.page == "leaks" and not jobs.running, timeout=60_000)
     assert session.survey.info.simulated
-    assert "simulated" in window._banner.text()
+    assert "simulated" in window.notices.banner.text()
     nearest = min(session.rows(), key=lambda row: abs(row.candidate.chainage_m - LEAK_M))
     keys = 0
     while session.selected is not None and not all(

@@ -129,7 +129,7 @@ def test_a_locked_survey_can_be_read(window, session, idle, tmp_path):
         assert session.folder.read_only
         assert session.results is not None
         assert not window.actions_by_id["process"].isEnabled()
-        assert "Read-only" in window._banner.text()
+        assert "Read-only" in window.notices.banner.text()
 
 
 def test_a_locked_survey_can_be_left_alone(window, session, idle, tmp_path):
@@ -263,8 +263,8 @@ def test_the_demonstration_says_that_it_is_simulated(window, session, idle, tmp_
     write_survey_toml(device / "survey.toml", simulated)
     window.files.open_path(device)
     idle()
-    assert "simulated" in window._banner.text()
-    assert window._banner.isVisible()
+    assert "simulated" in window.notices.banner.text()
+    assert window.notices.banner.isVisible()
 
 
 def test_a_survey_is_exported_into_its_own_folder(window, session, idle, tmp_path):

@@ -386,6 +386,6 @@ def test_a_recording_that_cannot_be_read_ends_the_playback_with_a_word(window, s
     session.cursor.set_time(5.0)
     press(window, KEY.Key_Space)
     qtbot.waitUntil(lambda: not window.player.playing)
-    assert window._told.isVisible()
-    assert "audio.wav" in window._told.text()
+    assert window.notices.told.isVisible()
+    assert "audio.wav" in window.notices.told.text()
     assert window.review_page.playback._play.isEnabled()
