@@ -15,6 +15,7 @@ from processing.sound.envelope import find_by_envelope
 from processing.sound.level_along import LevelAlong, level_along
 from processing.sound.loud import find_in_metres_or_loud
 from processing.sound.metres import find_in_metres
+from processing.sound.paper_detectors import find_by_kurtosis_band, find_by_spectrum, find_by_wavelet_band
 from processing.sound.rolling_noise import RollingNoise, listened_bands, rolling_noise, turned_angle
 from processing.sound.scan import SoundScan
 from processing.sound.spots import Listening, Spot
@@ -38,6 +39,9 @@ DETECTORS: Mapping[str, Callable[[Listening], list[Spot]]] = {
     "envelope": find_by_envelope,
     "metres": find_in_metres,
     "metres_or_loud": find_in_metres_or_loud,
+    "kurtosis_band": find_by_kurtosis_band,
+    "wavelet_band": find_by_wavelet_band,
+    "spectrum": find_by_spectrum,
 }
 
 _METRES_AT_LEAST_M = 15.0  # below it there are not enough cells for the statistics of the bands
