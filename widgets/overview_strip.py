@@ -28,7 +28,7 @@ class OverviewStrip(CurvePlot):
         self._curves: tuple[Curve, Curve] | None = None
         self._item = self._new_curve()
         # a new range only moves the window: what is drawn stays good
-        cursor.range_changed.disconnect(self.invalidate)
+        cursor.range_changed.disconnect(self.invalidate_in_turn)
         cursor.range_changed.connect(self.refresh)
 
     def set_envelope(self, time_s: FloatArray, low: FloatArray, high: FloatArray) -> None:

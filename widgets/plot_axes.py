@@ -55,9 +55,15 @@ class PlotAxis(pg.AxisItem):  # type: ignore[misc]  # pyqtgraph has no types
         raise NotImplementedError
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None) -> None:
-        """Draw the axis, or replay it."""
+        """Draw the axis; pyqtgraph would record it first, which is dearer than the drawing."""
+        del option, widget
         try:
-            super().paint(painter, option, widget)
+            painter.save()
+            painter.setFont(self._theme.font())
+            specs = self.generateDrawSpecs(painter)
+            if specs is not None:
+                self.drawPicture(painter, *specs)
+            painter.restore()
         except Exception:  # noqa: BLE001  # handed on
             report_paint_error()
 

@@ -1,7 +1,8 @@
 """What the plots are made of with pyqtgraph: the canvas they stand on, curves as exact pictures, and painted items.
 
 Qt strokes thick noisy lines slowly (most of a second for an hour of noise); a curve is therefore an image item with the
-part of each pixel that it covers. Mouse and keys pass through the canvas to the widget that owns it.
+part of each pixel that it covers. Images are turned into the screen's own format once: Qt would do it at each painting,
+in a pool of threads that it waits for. Mouse and keys pass through the canvas to the widget that owns it.
 """
 
 from collections.abc import Callable
@@ -9,7 +10,7 @@ from enum import Enum
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF, Qt
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPicture, QPixmap
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene, QStyleOptionGraphicsItem, QWidget
 
@@ -44,6 +45,38 @@ class PlotCanvas(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no typ
         except Exception:  # noqa: BLE001  # handed on
             report_paint_error()
         super().paintEvent(event)
+
+
+class KeptCanvas(PlotCanvas):
+    """A canvas whose scene is painted into a picture of its own; the owner lays it down, and paints over it."""
+
+    def __init__(self, parent: QWidget, prepare: Callable[[], None], lay_down: Callable[[QPainter], None]) -> None:
+        super().__init__(parent, prepare)
+        self._lay_down = lay_down
+
+    def picture(self) -> QPixmap:
+        """Return the scene as it is now, in device pixels."""
+        ratio = self.viewport().devicePixelRatioF()
+        size = (QSizeF(self.viewport().size()) * ratio).toSize()
+        kept = QPixmap(max(1, size.width()), max(1, size.height()))
+        kept.setDevicePixelRatio(ratio)
+        painter = QPainter(kept)
+        try:
+            self.render(painter, QRectF(self.viewport().rect()), self.viewport().rect())
+        finally:
+            painter.end()
+        return kept
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Let the owner paint."""
+        del event
+        painter = QPainter(self.viewport())
+        try:
+            self._lay_down(painter)
+        except Exception:  # noqa: BLE001  # handed on
+            report_paint_error()
+        finally:
+            painter.end()
 
 
 class Keep(Enum):
@@ -132,8 +165,9 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]  # pyqtgraph has no types
     def render(self) -> None:
         """Make the image that is laid down; pyqtgraph would walk through the colours one by one."""
         rows, columns = self.image.shape
-        self.qimage = QImage(self.image.data, columns, rows, columns, QImage.Format.Format_Indexed8)
-        self.qimage.setColorTable(self._colours)
+        numbers = QImage(self.image.data, columns, rows, columns, QImage.Format.Format_Indexed8)
+        numbers.setColorTable(self._colours)
+        self.qimage = numbers.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
         self._renderRequired = self._unrenderable = False
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
@@ -142,11 +176,14 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]  # pyqtgraph has no types
         try:
             place = painter.worldTransform().mapRect(self.boundingRect())
             # to a part of a pixel that nobody sees, so that rounding does not ask for stretching
-            edges = (round(edge, 3) for edge in (place.left(), place.top(), place.width(), place.height()))
+            left, top, width, height = (round(v, 3) for v in (place.left(), place.top(), place.width(), place.height()))
             if self._renderRequired:
                 self.render()
             painter.resetTransform()
-            painter.drawImage(QRectF(*edges), self.qimage)
+            if (width, height) == (self.qimage.width(), self.qimage.height()):
+                painter.drawImage(QPointF(left, top), self.qimage)
+            else:
+                painter.drawImage(QRectF(left, top, width, height), self.qimage)
         except Exception:  # noqa: BLE001  # handed on
             report_paint_error()
 

@@ -1,24 +1,35 @@
 """The frame that all stacked plots share: common axis, cursor line, candidates and hatched stretches.
 
-A plot is a pyqtgraph plot item whose ranges follow the common cursor; pyqtgraph takes no mouse. Axes, grid and marks
-are drawn once and replayed, so a moving cursor only lays them down again under its line. Subclasses show their data.
+A plot is a pyqtgraph plot item whose ranges follow the common cursor; pyqtgraph takes no mouse. All of it is painted
+into a picture that is kept: a moving cursor only lays it down again under its line, and while the range moves it is
+shifted or stretched until it is the plot's turn to be painted anew. Subclasses show their data.
 """
 
 import math
+import time
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QFocusEvent, QPainter, QPen, QResizeEvent
+from PySide6.QtGui import QColor, QFocusEvent, QPainter, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import Candidate, Channel, Decision, Stretch
 from widgets.plot_axes import CommonAxis, ValueAxis
-from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, plot_item
+from widgets.plot_canvas import Keep, KeptCanvas, PaintedItem, plot_item
 from widgets.plot_marks import Marks
 from widgets.plot_paint import paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A painted plot and the span of the axis that it shows."""
+
+    picture: QPixmap
+    x_span: tuple[float, float]
 
 
 class PlotFrame(QWidget):
@@ -33,25 +44,25 @@ class PlotFrame(QWidget):
         self._marks = Marks()
         self._not_assessed: tuple[Stretch, ...] = ()
         self._channel: Channel | None = None  # which stretches concern this plot; None: all
-        self._stale = True
+        self._stale = self._is_urgent = True
+        self._kept: _Kept | None = None
         self._rect: QRectF | None = None
         self._laid_out: QRectF | None = None
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor_x = math.nan
-        self._canvas = PlotCanvas(self, self._prepare)
+        self._canvas = KeptCanvas(self, self._prepare, self._paint)
         self._common_axis, self._value_axis = CommonAxis(theme), ValueAxis(theme)
         self._plot = plot_item(left=self._value_axis, bottom=self._common_axis)
         self._canvas.setCentralItem(self._plot)
         # the view box with the data stands at −100: between the ground and the details
-        self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.STROKES)
-        self._details = PaintedItem(self._plot, self._paint_details, 10.0, Keep.STROKES)
+        self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.NOTHING)
+        self._details = PaintedItem(self._plot, self._paint_details, 10.0, Keep.NOTHING)
         self._mark_item = PaintedItem(self._plot, self._paint_marks, 11.0, Keep.NOTHING)
-        self._over = PaintedItem(self._plot, self._paint_over, 20.0, Keep.NOTHING)
         self._mark_places: list[tuple[Candidate, QPointF]] = []
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         cursor.moved.connect(self._follow_cursor)
-        cursor.range_changed.connect(self.invalidate)
+        cursor.range_changed.connect(self.invalidate_in_turn)
         cursor.axis_changed.connect(self.invalidate)
         cursor.selection_changed.connect(self.refresh)
 
@@ -179,7 +190,12 @@ class PlotFrame(QWidget):
     # --- bringing up to date ------------------------------------------------------------------------------------
 
     def invalidate(self) -> None:
-        """Have everything brought up to date and painted anew."""
+        """Have everything brought up to date and painted anew with the next frame."""
+        self._stale = self._is_urgent = True
+        self.refresh()
+
+    def invalidate_in_turn(self) -> None:
+        """Have everything brought up to date when it is this plot's turn: what it shows is right, but elsewhere."""
         self._stale = True
         self.refresh()
 
@@ -187,10 +203,42 @@ class PlotFrame(QWidget):
         """Lay down again what is there, and the cursor over it."""
         self._canvas.viewport().update()
 
-    def _prepare(self) -> None:
-        if not self._stale:
+    def _paint(self, painter: QPainter) -> None:
+        """Lay down what is kept, painted anew where that is due, and the cursor over it."""
+        ratio, turns = self.devicePixelRatioF(), self._cursor.turns
+        if self._kept is None or self._kept.picture.devicePixelRatio() != ratio:
+            self._stale = self._is_urgent = True
+        if self._kept is None or (self._stale and (self._is_urgent or turns.may_paint(self))):
+            began = time.thread_time()
+            self._prepare()
+            self._kept = _Kept(self._canvas.picture(), self.x_span())
+            turns.took(self, 1e3 * (time.thread_time() - began))
+        if self._kept.x_span == self.x_span():
+            painter.drawPixmap(0, 0, self._kept.picture)
+        else:
+            self._lay_elsewhere(painter, self._kept, ratio)
+        self._paint_over(painter)
+
+    def _lay_elsewhere(self, painter: QPainter, kept: _Kept, ratio: float) -> None:
+        """Lay down a picture of another span: what it shows of this one, where it belongs; axes up and down stay."""
+        rect, (low, high), height = self.plot_rect(), kept.x_span, float(self.height())
+        painter.drawPixmap(0, 0, kept.picture)
+        painter.fillRect(QRectF(0.0, rect.bottom() + 1, rect.right(), height), QColor(self._theme.background))
+        painter.fillRect(rect, QColor(self._theme.canvas))
+        left, right = self.pixel_of_x(low), self.pixel_of_x(high)
+        if abs((right - left) - rect.width()) < 0.5 / ratio:  # only shifted: no pixel need be stretched
+            left = rect.left() + round((left - rect.left()) * ratio) / ratio
+            right = left + rect.width()
+        scale = (right - left) / rect.width()
+        first, last = max(left, rect.left()), min(right, rect.right())
+        if last - first < 1.0:
             return
-        self._stale = False
+        source = QRectF(rect.left() + (first - left) / scale, 0.0, (last - first) / scale, height)
+        source = QRectF(source.topLeft() * ratio, source.size() * ratio)
+        painter.drawPixmap(QRectF(first, 0.0, last - first, height), kept.picture, source)
+
+    def _prepare(self) -> None:
+        self._stale = self._is_urgent = False
         rect, whole = self.plot_rect(), QRectF(self.rect())
         self._lay_out(rect)
         self._plot.vb.setRange(xRange=self.x_span(), padding=0.0, disableAutoRange=False)
@@ -202,7 +250,7 @@ class PlotFrame(QWidget):
         ]
         self._value_axis.set_room(whole.translated(0.0, -rect.top()))
         self._common_axis.set_room(whole.translated(-rect.left(), -rect.bottom()))
-        for item in (self._ground, self._details, self._mark_item, self._over):
+        for item in (self._ground, self._details, self._mark_item):
             item.renew(whole)
 
     def _lay_out(self, rect: QRectF) -> None:

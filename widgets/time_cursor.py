@@ -6,6 +6,7 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from processing.survey import FloatArray, Track
+from widgets.frame_turns import FrameTurns
 from widgets.time_axis import AxisMode, DistanceMap
 
 LEAST_SPAN_S = 0.002
@@ -26,6 +27,7 @@ class TimeCursor(QObject):
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
+        self.turns = FrameTurns(self)  # of the views that follow
         self._map: DistanceMap | None = None
         self._track: Track | None = None
         self._mode = AxisMode.TIME
