@@ -47,6 +47,20 @@ class ErrorCode(StrEnum):
     ROUTE_NOT_ONE_LINE = "route_not_one_line"
     ROUTE_NEEDS_CRS = "route_needs_crs"
     ROUTE_OUTSIDE_CRS = "route_outside_crs"
+    CORRELATION_TOO_SHORT = "correlation_too_short"
+    CORRELATION_SILENT = "correlation_silent"
+    CORRELATION_ALL_CLIPPED = "correlation_all_clipped"
+    CORRELATION_NEEDS_SPEED = "correlation_needs_speed"
+    CORRELATION_WALL = "correlation_wall"
+    CORRELATION_SECTIONS = "correlation_sections"
+    CORRELATION_LENGTH = "correlation_length"
+    CORRELATION_SPEED = "correlation_speed"
+    CORRELATION_SUM = "correlation_sum"
+    CORRELATION_TAP_MIDDLE = "correlation_tap_middle"
+    CORRELATION_TAP_SIGN = "correlation_tap_sign"
+    CORRELATION_NO_EVENT = "correlation_no_event"
+    CORRELATION_SESSION_DAMAGED = "correlation_session_damaged"
+    CORRELATION_SESSION_NEWER = "correlation_session_newer"
 
 
 @dataclass(frozen=True)
