@@ -258,6 +258,19 @@ class DetectorSettings:
 
 
 @dataclass(frozen=True)
+class CleaningSettings:
+    """What listening cleaned takes out of the sound; the search for leaks does not use it."""
+
+    lines: str = choice("on", ("on", "off"), "tones locked to the ball's turning: 15 to 25 dB less on simulated ones")
+    lines_to_hz: float = tunable(2500.0, "Hz", 100.0, 8000.0, "above it rolling is not heard (acoustics §5.2)")
+    rolling_depth: float = tunable(
+        1.0, "1", 0.0, 3.0, "amplitude / (noise in this phase of the turn)^this; 1 weighs as the detector does"
+    )
+    impulse_sigmas: float = tunable(3.5, "sigma", 2.0, 100.0, "a louder frame of a band is a bump (acoustics §5.1)")
+    high_pass_hz: float = tunable(0.0, "Hz", 0.0, 5000.0, "0: off; takes flow and traffic out of what is heard")
+
+
+@dataclass(frozen=True)
 class ReportSettings:
     """What the report says and how."""
 
@@ -275,6 +288,7 @@ class Settings:
     sound: SoundSettings = field(default_factory=SoundSettings)
     detector: DetectorSettings = field(default_factory=DetectorSettings)
     report: ReportSettings = field(default_factory=ReportSettings)
+    cleaning: CleaningSettings = field(default_factory=CleaningSettings)
 
 
 def with_value(settings: Settings, table: str, key: str, text: str) -> Settings:
