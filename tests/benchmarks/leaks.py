@@ -152,7 +152,8 @@ def main():
     if told.ceiling:
         from leak_ceiling import told_the_truth
 
-        results["ceiling"] = told_the_truth(told.setting, seeds)
+        results["told the truth"] = told_the_truth(told.setting, seeds)
+        results["levels unknown"] = told_the_truth(told.setting, seeds, levels_known=False)
     fixed = json.loads(told.threshold.read_text()) if told.threshold else None
     print_tables(results, fixed)
     if told.out:
