@@ -175,6 +175,9 @@ def analyse(reading: Reading, pipe: Pipe, sync: Sync, choice: Choice) -> Correla
         parts = delays_of_parts(spectra, weight, chosen, longest_s, dispersion)
     delay_s, sigma_s = _delay(chosen, phase, parts)
     significant = chosen is not None and chosen.probability < _SIGNIFICANT
+    if phase is not None and choice.dispersion.reference_hz is None and _is_bent(phase):
+        # nobody said at which frequency the speed holds: an e-fold either way
+        sigma_s = math.hypot(sigma_s, phase.dispersion.slope * delay_s)
     clock_s = math.hypot(sync.sigma_s, _SYNC_FLOOR_S)
     position = locate(pipe, delay_s, sigma_s, clock_s) if significant and sync.known else None
     result = Correlation(

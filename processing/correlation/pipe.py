@@ -5,7 +5,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+import numpy as np
+
 from processing.errors import ErrorCode, LeaklineError
+from processing.survey import FloatArray
 
 WATER_BULK_PA = 2.2e9
 WATER_DENSITY = 1000.0
@@ -198,6 +201,19 @@ def place_of_delay(pipe: Pipe, delay_s: float) -> float:
         left_s -= need_s
         at_m += section.length_m
     return at_m
+
+
+def places_of_delays(pipe: Pipe, delay_s: FloatArray) -> FloatArray:
+    """Return metres from A (n,) of many delays at once, as :func:`place_of_delay` has them."""
+    edges_m, edges_s = [0.0], [0.0]
+    for section in pipe.sections:
+        edges_m.append(edges_m[-1] + section.length_m)
+        edges_s.append(edges_s[-1] + section.length_m / section.speed()[0])
+    to_a_s = 0.5 * (edges_s[-1] - delay_s)
+    places = np.interp(to_a_s, edges_s, edges_m)
+    first, last = pipe.sections[0].speed()[0], pipe.sections[-1].speed()[0]
+    beyond_b = np.maximum(to_a_s - edges_s[-1], 0.0) * last
+    return np.asarray(places + np.minimum(to_a_s, 0.0) * first + beyond_b)
 
 
 def delay_of_place(pipe: Pipe, from_a_m: float) -> float:

@@ -21,14 +21,14 @@ class Tap:
 
 @dataclass(frozen=True)
 class MeasuredSpeed:
-    """All speeds of the pipe are to be multiplied by ``factor`` ± ``factor_sigma``; ``mean_mps`` over the whole pipe.
+    """All speeds are to be multiplied by ``factor``, ± ``part_sigma`` of itself; ``mean_mps`` is over the whole pipe.
 
     ``offset_s`` is to be added to :attr:`Sync.offset_s <processing.correlation.recordings.Sync>`; None where one tap
     cannot tell.
     """
 
     factor: float
-    factor_sigma: float
+    part_sigma: float
     mean_mps: float
     mean_sigma_mps: float
     offset_s: float | None = None
@@ -69,7 +69,7 @@ def speed_of_both_ends(pipe: Pipe, beyond_a: Tap, beyond_b: Tap) -> MeasuredSpee
     offset_s = -0.5 * (beyond_a.delay_s + beyond_b.delay_s)
     measured = _measured(pipe, 2.0 * travel_s / twice_s, part)
     return MeasuredSpeed(
-        measured.factor, measured.factor_sigma, measured.mean_mps, measured.mean_sigma_mps, offset_s, 0.5 * sigma_s
+        measured.factor, measured.part_sigma, measured.mean_mps, measured.mean_sigma_mps, offset_s, 0.5 * sigma_s
     )
 
 
@@ -89,4 +89,4 @@ def _length_sigma_s(pipe: Pipe) -> float:
 
 def _measured(pipe: Pipe, factor: float, part: float) -> MeasuredSpeed:
     mean = factor * pipe.length_m / pipe.travel_s
-    return MeasuredSpeed(factor, factor * part, mean, part * mean)
+    return MeasuredSpeed(factor, part, mean, part * mean)
