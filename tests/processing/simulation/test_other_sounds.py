@@ -122,7 +122,7 @@ def test_rolling_noise_keeps_to_its_band_and_swells_three_times_a_turn():
     x, turn, _ = cruise(run, heard(run))
     assert db(np.mean(x**2)) == pytest.approx(-30.0, abs=0.3)
     f, p = welch(x, RATE, nperseg=1024)
-    assert p[(f > 600) & (f < 2700)].sum() > 0.98 * p.sum()  # skirts of a third of an octave
+    assert p[(f > 600) & (f < 2700)].sum() > 0.94 * p.sum()  # skirts of a third of an octave
     power = x**2
     for order, depth in ((1, 0.3), (2, 0.0), (3, 0.4)):
         # frames of 64 ms overlap under a Hann window, through which swells pass as through any Hann window
