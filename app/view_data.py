@@ -36,14 +36,14 @@ class ScanTiles:
     @property
     def low_db(self) -> float:
         """Level that 0 stands for."""
-        from processing.sound.analysis import TILE_FLOOR_DB
+        from processing.sound.tile_values import TILE_FLOOR_DB
 
         return float(TILE_FLOOR_DB)
 
     @property
     def step_db(self) -> float:
         """Decibels from one number to the next."""
-        from processing.sound.analysis import TILE_STEP_DB
+        from processing.sound.tile_values import TILE_STEP_DB
 
         return float(TILE_STEP_DB)
 
@@ -57,15 +57,15 @@ class ScanTiles:
         """Last moment."""
         return float(self.clock.to_survey(self.scan.duration_s))
 
-    def columns(self, start_s: float, end_s: float, columns: int) -> Levels:
+    def columns(self, start_s: float, end_s: float, columns: int, plane: str = "max") -> Levels:
         """Return uint8 (bins, columns) between survey seconds; called in a worker thread."""
         first, last = float(self.clock.to_audio(start_s)), float(self.clock.to_audio(end_s))
         close = (last - first) / columns < 0.5 * self.scan.tiles.finest_column_s and last - first <= DETAIL_SPAN_S
         if close and self.audio is not None:
             from processing.sound.tiles import spectrogram_detail
 
-            return spectrogram_detail(self.audio, first, last, columns)
-        return self.scan.tiles.columns(first, last, columns)
+            return spectrogram_detail(self.audio, first, last, columns, plane)
+        return self.scan.tiles.columns(first, last, columns, plane)
 
 
 def tiles(results: "Results | None") -> ScanTiles | None:

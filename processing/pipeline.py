@@ -55,7 +55,7 @@ VERSIONS = {
     "odometry": 5,
     "evidence": 2,
     "track": 8,
-    "scan": 1,
+    "scan": 2,
     "clock": 1,
     "candidates": 1,
 }

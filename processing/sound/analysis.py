@@ -1,39 +1,44 @@
 """Turns a piece of sound into levels, picture columns, waveform envelope and onsets: the work of one pass, in blocks.
 
-Numbers are chosen by measurement (acoustics §3): float32 FFTs in blocks that fit the cache, logarithms only after
-pooling, and nothing per window in Python.
+Numbers are chosen by measurement (acoustics §3): float32 FFTs in blocks that fit the processor's cache, one walk over
+each block's memory, logarithms only after pooling, and nothing per window in Python.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
 from processing.settings import SoundSettings
+from processing.sound import kernels_pass, plain_pass
 from processing.sound.bands import (
+    HANN_ENBW,
     LEVELS_PER_COLUMN,
-    BandSums,
     Grid,
     Spectrum,
+    band_edges,
     band_table,
     decibels,
     is_low,
     low_band_bins,
 )
 from processing.sound.pcm import Samples
+from processing.sound.soundness import CLIPPED, DROPOUT, SILENT, clipped_at, hum_excess_db
+from processing.sound.tile_values import Bytes, max_of_rows, mean_of_rows, pooled, to_tile
 from processing.survey import FloatArray
 
-Bytes = npt.NDArray[np.uint8]
 Halves = npt.NDArray[np.float16]
 
-SILENT, DROPOUT, CLIPPED = 1, 2, 4  # bits of a frame's state
-TILE_FLOOR_DB, TILE_STEP_DB = -130.0, 0.5
-_COLUMNS_PER_BLOCK = 4
-_FULL_SCALE = 0.999
+PART_COLUMNS = 64  # picture columns of one piece, about 12 s: whole rows of three upper levels of the picture
+PART_LEVELS = 3
+TILE_FACTOR = 4
+_COLUMNS_PER_BLOCK = 2
 _CLIPPED_SHARE = 0.005  # of a frame: a single clipped knock does not spoil 64 ms
 _DROPOUT_SHARE = 0.15  # of a frame: 10 ms without any change of the signal
 _ONSET_LAG_HZ = 6000.0
+FACTS = ("mean", "clip_level", "hum_50_db", "hum_60_db")
 
 
 @dataclass(frozen=True)
@@ -45,114 +50,142 @@ class ScanPart:
     state: Bytes  # (levels,)
     onset: Bytes  # (steps,)
     wave: Halves  # (blocks, 3) lowest, highest, rms
-    tile_max: Bytes  # (columns, bins)
-    tile_mean: Bytes  # (columns, bins)
+    tile_max: tuple[Bytes, ...]  # finest level first, each (columns, bins)
+    tile_mean: tuple[Bytes, ...]
+    kurtosis: Halves  # (1, bands)
+    facts: Samples  # (1, len(FACTS))
 
 
 class Analyser:
     """Holds the constants of a pass; :meth:`analyse` is a pure function and may run in several threads."""
 
-    def __init__(self, grid: Grid, settings: SoundSettings) -> None:
+    def __init__(self, grid: Grid, settings: SoundSettings, *, compiled: bool = kernels_pass.COMPILED) -> None:
         self.grid = grid
         self.bands_hz: FloatArray = band_table(grid.sample_rate_hz, settings)
+        self.part = PART_COLUMNS * grid.column  # samples in a piece
         self.context = grid.level + 4 * grid.decimation + 2 * self._onset_lag
+        self._loops: Any = kernels_pass if compiled else plain_pass
         self._window = scaled_hann(grid.window)
         self._low_window = scaled_hann(grid.low_window)
         self._low = is_low(self.bands_hz)
-        self._high_sums = BandSums(self.bands_hz[~self._low], grid.bin_hz, grid.window // 2 + 1)
-        low_bin_hz = grid.sample_rate_hz / grid.decimation / grid.low_window
-        self._low_bins = low_band_bins(self.bands_hz[self._low], low_bin_hz)
+        self._edges, self._shares = band_edges(self.bands_hz[~self._low], grid.bin_hz, grid.window // 2 + 1)
+        low = low_band_bins(self.bands_hz[self._low], self._low_bin_hz)
+        self._low_bins = np.array([row[:2] for row in low], np.intp).reshape(-1, 2)
+        self._low_factors = np.array([row[2] for row in low], np.float32)
         self._low_gain = self._thinning_gain()
+        self._marks = self._kurtosis_marks()
         self._silence = 10 ** (settings.silence_db / 10) / 2  # power of a sine of that level
 
     @property
     def _onset_lag(self) -> int:
         return max(1, round(self.grid.sample_rate_hz / _ONSET_LAG_HZ))
 
-    def analyse(self, samples: Samples, columns: int) -> ScanPart:
-        """Return everything about ``columns`` (an even number of) picture columns.
+    @property
+    def _low_bin_hz(self) -> float:
+        return self.grid.sample_rate_hz / self.grid.decimation / self.grid.low_window
 
-        ``samples`` holds ``columns · grid.column`` samples with ``context`` more on either side.
+    def analyse(self, samples: Samples, frames: int) -> ScanPart:
+        """Return everything about a piece of sound.
+
+        Args:
+            samples: (part + 2·context,) contiguous, of which ``context`` on either side belong to the neighbours.
+            frames: how many samples of the piece lie within the recording; the others are 0.
         """
-        grid = self.grid
-        body = samples[self.context : self.context + columns * grid.column]
-        levels = columns * LEVELS_PER_COLUMN
+        if samples.shape != (self.part + 2 * self.context,) or not samples.flags.c_contiguous:
+            raise ValueError(f"a piece of {samples.shape} samples")  # the kernels do not look
+        grid, loops = self.grid, self._loops
+        levels = PART_COLUMNS * LEVELS_PER_COLUMN
         power = np.empty((levels, len(self.bands_hz)), np.float32)
         crest = np.empty_like(power)
-        tile_max = np.empty((columns, grid.picture_bins), np.float32)
-        tile_mean = np.empty_like(tile_max)
-        for first in range(0, columns, _COLUMNS_PER_BLOCK):
-            rows = slice(first, min(first + _COLUMNS_PER_BLOCK, columns))
-            spectra = self._spectra(samples, first, rows.stop - first)
-            _pool_tiles(spectra, grid, tile_max[rows], tile_mean[rows])
-            level_rows = slice(first * LEVELS_PER_COLUMN, rows.stop * LEVELS_PER_COLUMN)
-            power[level_rows, ~self._low], crest[level_rows, ~self._low] = self._high_bands(spectra)
-        if self._low.any():
-            power[:, self._low], crest[:, self._low] = self._low_bands(samples, levels)
-        onset_energy = self._onset_energy(samples, len(body))
+        tile_max, tile_mean, kurtosis = self._spectra(samples, frames, power, crest)
+        low_total = self._low_spectra(samples, power, crest)
+        onset = np.empty(self.part // grid.onset_step, np.float32)
+        loops.onset_energy(samples, self.context, self._onset_lag, onset, grid.onset_step)
+        wave = np.empty((self.part // grid.wave_block, 4), np.float32)
+        loops.envelope(samples, self.context, grid.wave_block, wave)
+        body = samples[self.context : self.context + self.part]
+        state, clip_level = self._state(body, wave, onset, levels)
+        mean = float(wave[:, 2].sum(dtype=np.float64)) * grid.wave_block / max(frames, 1)
+        hum = hum_excess_db(low_total, self._low_bin_hz)
+        columns = -(-frames // grid.column)
         return ScanPart(
             level_db=decibels(power).astype(np.float16),
             crest_db=decibels(crest).astype(np.float16),
-            state=self._state(body, onset_energy, levels),
-            onset=to_tile(onset_energy),
-            wave=_wave_envelope(body.reshape(-1, grid.wave_block)),
-            tile_max=to_tile(tile_max),
-            tile_mean=to_tile(tile_mean),
+            state=state,
+            onset=to_tile(onset),
+            wave=_envelope_halves(wave),
+            tile_max=_levels(tile_max, columns, "max"),
+            tile_mean=_levels(tile_mean, columns, "mean"),
+            kurtosis=kurtosis.astype(np.float16),
+            facts=np.array([[mean, clip_level, *hum]], np.float32),
         )
 
-    def _spectra(self, samples: Samples, first_column: int, columns: int) -> Spectrum:
-        """Return the power (windows, bins) of the windows in these columns; 1 is a full-scale sine."""
-        grid = self.grid
-        count = columns * LEVELS_PER_COLUMN * grid.hops_per_level
-        start = self.context + first_column * grid.column + grid.hop // 2 - grid.window // 2
-        piece = samples[start : start + (count - 1) * grid.hop + grid.window]
-        windows = np.lib.stride_tricks.sliding_window_view(piece, grid.window)[:: grid.hop]
-        return power_of(windows * self._window)
+    def _spectra(
+        self, samples: Samples, frames: int, power: Spectrum, crest: Spectrum
+    ) -> tuple[Spectrum, Spectrum, Spectrum]:
+        """Fill the bands above 1 kHz; return both planes of the picture and the spectral kurtosis (1, bands)."""
+        grid, loops = self.grid, self._loops
+        hops = LEVELS_PER_COLUMN * grid.hops_per_level
+        bins = grid.window // 2 + 1
+        highest = np.empty((PART_COLUMNS, grid.picture_bins), np.float32)
+        mean = np.empty_like(highest)
+        bands = np.empty((PART_COLUMNS * hops, len(self._edges)), np.float32)
+        total, square = np.zeros((2, bins), np.float32)
+        scratch = np.empty((3, bins), np.float32)
+        windows = np.empty((_COLUMNS_PER_BLOCK * hops, grid.window), np.float32)
+        first_window = self.context + grid.hop // 2 - grid.window // 2
+        for first in range(0, PART_COLUMNS, _COLUMNS_PER_BLOCK):
+            rows = slice(first, first + _COLUMNS_PER_BLOCK)
+            loops.cut_windows(samples, first_window + first * grid.column, grid.hop, self._window, windows)
+            parts = fft.rfft(windows, axis=1).view(np.float32)
+            loops.pool_spectra(
+                parts,
+                grid.bins_pooled,
+                highest[rows],
+                mean[rows],
+                self._edges,
+                self._shares,
+                1 / HANN_ENBW,
+                bands[first * hops : (first + _COLUMNS_PER_BLOCK) * hops],
+                total,
+                square,
+                scratch,
+            )
+        high = np.flatnonzero(~self._low)
+        in_frames, ratio = np.empty((2, len(power), len(high)), np.float32)
+        loops.frame_bands(bands, in_frames, ratio, np.empty(grid.hops_per_level, np.float32))
+        power[:, high], crest[:, high] = in_frames, ratio
+        return highest, mean, self._kurtosis(total, square, max(1, min(frames // grid.hop, len(bands))))
 
-    def _high_bands(self, spectra: Spectrum) -> tuple[Spectrum, Spectrum]:
-        """Return mean power and mean over lower median of the windows in each level frame, (levels, high bands)."""
-        per_window = self._high_sums(spectra).reshape(
-            len(spectra) // self.grid.hops_per_level, self.grid.hops_per_level, -1
-        )
-        mean = per_window.mean(axis=1)
-        per_window.sort(axis=1)
-        lower_median = per_window[:, (self.grid.hops_per_level - 1) // 2]
-        return mean, _ratio(mean, lower_median)
-
-    def _low_bands(self, samples: Samples, levels: int) -> tuple[Spectrum, Spectrum]:
-        """Return median-of-bins power and mean over median of the bins, (levels, low bands).
+    def _low_spectra(self, samples: Samples, power: Spectrum, crest: Spectrum) -> Spectrum:
+        """Fill the low bands; return the summed power (bins,) of their fine bins.
 
         A window of four level frames serves the two in its middle, so windows overlap by half.
         """
-        grid = self.grid
-        windows = levels // 2
+        grid, loops = self.grid, self._loops
+        count = len(power) // 2
         thin = grid.level // grid.decimation
-        thinned = self._thinned(samples, (2 * windows + 2) * thin)
-        view = np.lib.stride_tricks.sliding_window_view(thinned, grid.low_window)[:: 2 * thin]
-        spectra = power_of(view * self._low_window) * self._low_gain
-        power = np.empty((windows, len(self._low_bins)), np.float32)
-        crest = np.empty_like(power)
-        for k, (first, end, factor) in enumerate(self._low_bins):
-            bins = spectra[:, first:end]
-            median = np.median(bins, axis=1)
-            power[:, k] = factor * median
-            crest[:, k] = _ratio(bins.mean(axis=1), median)
-        return np.repeat(power, 2, axis=0), np.repeat(crest, 2, axis=0)
+        thinned = self._thinned(samples, (2 * count + 2) * thin)
+        windows = np.empty((count, grid.low_window), np.float32)
+        loops.cut_windows(thinned, 0, 2 * thin, self._low_window, windows)
+        parts = fft.rfft(windows, axis=1).view(np.float32)
+        total = np.zeros(len(self._low_gain), np.float32)
+        low, ratio = np.empty((2, count, len(self._low_bins)), np.float32)
+        scratch = np.empty((2, len(self._low_gain)), np.float32)
+        loops.low_bands(parts, self._low_gain, self._low_bins, self._low_factors, low, ratio, total, scratch)
+        where = np.flatnonzero(self._low)
+        power[:, where], crest[:, where] = np.repeat(low, 2, axis=0), np.repeat(ratio, 2, axis=0)
+        return total
 
     def _thinned(self, samples: Samples, count: int) -> Samples:
-        """Return ``count`` samples at the low rate from one level frame before the body on.
-
-        Halved again and again with the weights 1 3 3 1, whose triple zero lies where aliases of 0 Hz would come from:
-        what folds onto the bands below 1 kHz is damped by 50 dB and more.
-        """
+        """Return ``count`` samples at the low rate from one level frame before the body on, halved again and again."""
         step = self.grid.decimation
         start = self.context - self.grid.level - (step - 1)  # each halving looks one of its samples ahead
         thinned = samples[start : start + count * step + 2 * (step - 1)]
         while step > 1:
-            pairs = len(thinned) // 2 - 1
-            outer = thinned[0 : 2 * pairs : 2] + thinned[3 : 3 + 2 * pairs : 2]
-            inner = thinned[1 : 1 + 2 * pairs : 2] + thinned[2 : 2 + 2 * pairs : 2]
-            thinned = np.float32(0.125) * outer + np.float32(0.375) * inner
+            out = np.empty(len(thinned) // 2 - 1, np.float32)
+            self._loops.halve(thinned, out)
+            thinned = out
             step //= 2
         return thinned
 
@@ -168,30 +201,38 @@ class Analyser:
         undone: Spectrum = (1.0 / np.maximum(gain, 1e-3)).astype(np.float32)
         return undone
 
-    def _onset_energy(self, samples: Samples, count: int) -> Samples:
-        """Return the mean square (steps,) of the second difference over about 0.17 ms: a high-pass near 1 kHz."""
-        lag, start = self._onset_lag, self.context
-        late, middle, early = (samples[start - k * lag : start - k * lag + count] for k in (0, 1, 2))
-        sharp = (late - middle) - (middle - early)
-        rows = sharp.reshape(-1, self.grid.onset_step)
-        energy: Samples = np.einsum("ij,ij->i", rows, rows) / np.float32(self.grid.onset_step)
-        return energy
+    def _kurtosis_marks(self) -> npt.NDArray[np.intp]:
+        """Return first and end bin of each band in turn, at least one bin each."""
+        bins = self.bands_hz / self.grid.bin_hz
+        last = self.grid.window // 2
+        first = np.clip(np.rint(bins[:, 0]), 1, last - 1)  # not the bin of the steady voltage
+        end = np.clip(np.rint(bins[:, 1]), first + 1, last)
+        return np.column_stack([first, end]).astype(np.intp).ravel()
 
-    def _state(self, body: Samples, onset_energy: Samples, levels: int) -> Bytes:
-        frames = body.reshape(levels, self.grid.level)
-        mean = frames.mean(axis=1)
-        power = np.einsum("ij,ij->i", frames, frames) / np.float32(self.grid.level) - mean * mean
+    def _kurtosis(self, total: Spectrum, square: Spectrum, windows: int) -> Spectrum:
+        """Return the spectral kurtosis (1, bands): mean(P²)/mean(P)² − 2, the mean over each band's bins.
+
+        0 for steady noise, −1 for a tone, large for what comes in bursts (Antoni, MSSP 20 (2006) 282, eq. 24).
+        """
+        heard = total > 1e-18
+        by_bin = np.where(heard, windows * square / np.square(np.where(heard, total, 1)), 2) - 2
+        sums = np.add.reduceat(by_bin, self._marks)[::2]
+        mean: Spectrum = (sums / (self._marks[1::2] - self._marks[::2])).astype(np.float32)
+        return np.minimum(mean, np.float32(6e4))[None]
+
+    def _state(self, body: Samples, wave: Samples, onset: Samples, levels: int) -> tuple[Bytes, float]:
+        """Return the bits of each frame and the level at which the sound is cut off, nan where it is not."""
+        by_frame = wave.reshape(levels, -1, 4)
+        power = by_frame[:, :, 3].mean(axis=1) + by_frame[:, :, 2].var(axis=1)
         state = np.where(power < self._silence, SILENT, 0).astype(np.uint8)
-        unchanged = (onset_energy == 0).reshape(levels, -1).mean(axis=1)
+        unchanged = (onset == 0).reshape(levels, -1).mean(axis=1)
         state[unchanged >= _DROPOUT_SHARE] |= DROPOUT
-        if max(float(body.max()), -float(body.min())) >= _FULL_SCALE:
-            full = np.abs(body) >= _FULL_SCALE
-            runs = full[:-2] & full[1:-1] & full[2:]
-            clipped = np.zeros(len(body), np.bool_)
-            for shift in range(3):
-                clipped[shift : shift + len(runs)] |= runs
-            state[clipped.reshape(levels, -1).mean(axis=1) >= _CLIPPED_SHARE] |= CLIPPED
-        return state
+        clipped, level = clipped_at(body, wave[:, 0], wave[:, 1])
+        if clipped is None:
+            return state, float("nan")
+        bad = clipped.reshape(levels, -1).mean(axis=1) >= _CLIPPED_SHARE
+        state[bad] |= CLIPPED
+        return state, level if bad.any() else float("nan")
 
 
 def scaled_hann(length: int) -> Samples:
@@ -209,30 +250,16 @@ def power_of(windows: Samples) -> Spectrum:
     return power
 
 
-def _pool_tiles(spectra: Spectrum, grid: Grid, out_max: Spectrum, out_mean: Spectrum) -> None:
-    """Pool windows to columns and bins to rows; the Nyquist bin is left out."""
-    bins = grid.picture_bins
-    by_column = spectra[:, : bins * grid.bins_pooled].reshape(len(out_max), -1, bins * grid.bins_pooled)
-    shape = (len(out_max), bins, grid.bins_pooled)
-    out_max[:] = by_column.max(axis=1).reshape(shape).max(axis=2)
-    out_mean[:] = by_column.mean(axis=1).reshape(shape).mean(axis=2)
+def _levels(finest: Spectrum, columns: int, plane: str) -> tuple[Bytes, ...]:
+    """Return the rows of the finest level and of those above it, of the first ``columns`` columns."""
+    pool = max_of_rows if plane == "max" else mean_of_rows
+    levels = [to_tile(finest[:columns])]
+    for _ in range(PART_LEVELS):
+        levels.append(pooled(levels[-1], TILE_FACTOR, pool))
+    return tuple(levels)
 
 
-def to_tile(power: Spectrum) -> Bytes:
-    """Return power as steps of 0.5 dB above −130 dBFS, 0 to 255."""
-    steps = (decibels(power) - np.float32(TILE_FLOOR_DB)) * np.float32(1 / TILE_STEP_DB) + np.float32(0.5)
-    tile: Bytes = np.clip(steps, 0, 255).astype(np.uint8)
-    return tile
-
-
-def _wave_envelope(blocks: Samples) -> Halves:
-    out = np.empty((len(blocks), 3), np.float16)
-    out[:, 0], out[:, 1] = blocks.min(axis=1), blocks.max(axis=1)
-    out[:, 2] = np.sqrt(np.einsum("ij,ij->i", blocks, blocks) / np.float32(blocks.shape[1]))
-    return out
-
-
-def _ratio(high: Spectrum, low: Spectrum) -> Spectrum:
-    """Return high/low, 1 where there is nothing."""
-    ratio: Spectrum = np.where(low > 0, high / np.maximum(low, np.float32(1e-30)), np.float32(1))
-    return ratio
+def _envelope_halves(wave: Samples) -> Halves:
+    """Return lowest, highest and rms of lowest, highest, mean and variance."""
+    rms = np.sqrt(np.square(wave[:, 2]) + wave[:, 3])
+    return np.column_stack([wave[:, 0], wave[:, 1], rms]).astype(np.float16)

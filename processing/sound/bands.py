@@ -148,28 +148,14 @@ def is_low(bands_hz: FloatArray) -> npt.NDArray[np.bool_]:
     return low
 
 
-class BandSums:
-    """Sums spectral bins to band power; a bin on an edge counts by the share of its width that lies inside.
+def band_edges(bands_hz: FloatArray, bin_hz: float, bins: int) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.float32]]:
+    """Return how bins sum to band power: first bin and end (b, 2), and what share of the bins there (b, 2) belongs out.
 
-    Not a matrix product: BLAS would start threads of its own, which spin and steal the processors from ours.
+    A bin on an edge counts by the share of its width that lies inside. The shares hold the window's noise bandwidth.
     """
-
-    def __init__(self, bands_hz: FloatArray, bin_hz: float, bins: int) -> None:
-        edges = np.clip(bands_hz / bin_hz + 0.5, 0, bins - 1)  # bin k reaches from k to k + 1 here
-        whole = np.floor(edges).astype(np.int64)
-        self._marks = whole.ravel()
-        self._edges = whole
-        self._shares = ((edges - whole) / HANN_ENBW).astype(np.float32)
-        self._empty = whole[:, 0] == whole[:, 1]
-
-    def __call__(self, spectra: Spectrum) -> Spectrum:
-        """Return band power (n, bands) of ``spectra`` (n, bins) in which 1 is a full-scale sine."""
-        power = np.add.reduceat(spectra, self._marks, axis=1)[:, ::2] * np.float32(1 / HANN_ENBW)
-        power[:, self._empty] = 0  # reduceat gives the first element of an empty range
-        power -= spectra[:, self._edges[:, 0]] * self._shares[:, 0]
-        power += spectra[:, self._edges[:, 1]] * self._shares[:, 1]
-        summed: Spectrum = power
-        return summed
+    edges = np.clip(bands_hz / bin_hz + 0.5, 0, bins - 1)  # bin k reaches from k to k + 1 here
+    whole = np.floor(edges).astype(np.intp)
+    return whole, ((edges - whole) / HANN_ENBW).astype(np.float32)
 
 
 def low_band_bins(bands_hz: FloatArray, bin_hz: float) -> list[tuple[int, int, float]]:

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
-from processing.sound.analysis import TILE_STEP_DB
 from processing.sound.scan import SoundScan
+from processing.sound.tile_values import TILE_STEP_DB
 from processing.survey import FloatArray, ImuSamples
 
 _BLOCK_S = 10.0

@@ -6,9 +6,9 @@ The result lies in a folder of .npy files (no pickles) and is memory-mapped, so 
 import json
 import os
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,31 +17,30 @@ import numpy.typing as npt
 
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.progress import Progress, silent
-from processing.settings import SoundSettings
-from processing.sound.analysis import CLIPPED, DROPOUT, SILENT, Analyser, Bytes, Halves, ScanPart
+from processing.settings import SoundSettings, digest
+from processing.sound.analysis import FACTS, PART_COLUMNS, Analyser, Halves, ScanPart
 from processing.sound.bands import Grid
 from processing.sound.pcm import Samples
-from processing.sound.rows import RowFile, disc_errors, load_rows
+from processing.sound.rows import disc_errors, load_rows
+from processing.sound.scan_files import ScanWriter, Shape, file_shapes
+from processing.sound.soundness import CLIPPED, DROPOUT, FULL_SCALE, SILENT
 from processing.sound.source import AudioReader
-from processing.sound.tiles import (
-    TilePyramid,
-    WavePyramid,
-    build_upper_levels,
-    load_pyramids,
-    tile_path,
-    wave_block_count,
-    wave_path,
-)
+from processing.sound.tile_values import Bytes
+from processing.sound.tiles import TilePyramid, WavePyramid, build_upper_levels, load_pyramids
 from processing.survey import AudioSource, Channel, ClockMap, Finding, FloatArray, Severity, Stretch
 
-VERSION = 1  # of what lies in the folder; part of its description, so that older folders are rebuilt
+VERSION = 2  # of what lies in the folder; part of its description, so that older folders are rebuilt
 _INDEX = "scan.json"
-_COLUMNS_PER_JOB = 32  # about 6 s: large enough for threads, small enough for memory and for a quick stop
 _MAX_THREADS = 4
 _JOIN_S = 1.0  # troubles closer than this are one stretch
 _MIN_STRETCH_S = 0.5  # a shorter trouble is counted, not reported as a stretch
 _DEAD_SHARE = 0.9
+_OFFSET = 0.01  # of full scale: a steady voltage that costs range
+_HUM_DB = 12.0  # above its surroundings, in half of all pieces
 _REASONS = ((SILENT, "sound_silent"), (DROPOUT, "sound_dropout"), (CLIPPED, "sound_clipped"))
+_SERIES = ("level_db", "crest_db", "state", "onset", "kurtosis")
+
+Grown = Callable[[Path, int], None]  # the folder, and how many picture columns of it can be read
 
 
 @dataclass(frozen=True)
@@ -51,6 +50,8 @@ class SoundScan:
     Row ``t`` of the level series covers ``t·frame_s`` to ``(t + 1)·frame_s``. The last band is the chosen one.
     ``crest_db`` tells how far the mean stands above the median: over the frame's windows in bands above 1 kHz
     (impulses), over the band's bins below (tones). ``state`` holds the bits SILENT, DROPOUT and CLIPPED.
+    ``kurtosis`` is that of each band's spectrum in pieces of ``piece_s``: 0 for steady noise, −1 for a tone, large for
+    what comes in bursts.
     """
 
     folder: Path
@@ -63,6 +64,12 @@ class SoundScan:
     tiles: TilePyramid
     wave: WavePyramid
     findings: tuple[Finding, ...]
+    kurtosis: Halves = field(default_factory=lambda: np.zeros((0, 0), np.float16))  # (p, b + 1)
+
+    @property
+    def piece_s(self) -> float:
+        """Seconds in a row of ``kurtosis``."""
+        return PART_COLUMNS * self.grid.column_s
 
     @property
     def frame_s(self) -> float:
@@ -121,19 +128,25 @@ def scan(
     progress: Progress | None = None,
     out_dir: Path | None = None,
     threads: int | None = None,
+    *,
+    resume: bool = False,
+    grown: Grown | None = None,
 ) -> SoundScan:
     """Pass once over ``source`` and return what was measured; the files are left in ``out_dir``.
 
     Args:
         source: the recording.
         settings: the chosen band.
-        progress: told about every six seconds of sound; may cancel.
+        progress: told about every twelve seconds of sound; may cancel.
         out_dir: where the files go; made when missing. Nothing in it counts until the pass is complete.
         threads: how many analyse at once; by default as many as there are processors, at most four.
+        resume: go on where an earlier pass over the same sound into this folder stopped, with the same result to the
+            bit, and leave what was done when this one stops. The folder must belong to this very sound.
+        grown: called after each piece with the folder and the picture columns in it that can be read.
 
     Raises:
         LeaklineError: AUDIO_UNREADABLE, SETTING_INVALID, DISC_FULL, CANNOT_WRITE.
-        Cancelled: the operator stopped it; no file is left half-written.
+        Cancelled: the operator stopped it; without ``resume`` nothing is left.
     """
     if out_dir is None:
         raise ValueError("scan needs a folder for its result")
@@ -143,122 +156,114 @@ def scan(
     with disc_errors(out_dir):
         out_dir.mkdir(parents=True, exist_ok=True)
         (out_dir / _INDEX).unlink(missing_ok=True)
-    writer = _ScanWriter(out_dir, grid, len(analyser.bands_hz))
+    made_of = digest(VERSION, grid.sample_rate_hz, grid.frames, source.channel, settings)
+    writer = ScanWriter(out_dir, grid, len(analyser.bands_hz), made_of, resume=resume)
     try:
         with AudioReader(source) as reader:
-            columns_done = 0
-            for part in _analysed(reader, source.frames, analyser, threads or min(os.cpu_count() or 1, _MAX_THREADS)):
-                writer.add(part)
-                columns_done += len(part.tile_max)
-                progress.update(0.97 * min(1.0, columns_done / grid.column_count), "sound_scanning")
-            not_finite = reader.not_finite
-        state = writer.finish()
+            pieces = _pieces(reader, source.frames, analyser, writer.parts_done)
+            for part, not_finite in _analysed(pieces, analyser, threads or min(os.cpu_count() or 1, _MAX_THREADS)):
+                writer.add(part, not_finite)
+                columns = min(writer.parts_done * PART_COLUMNS, grid.column_count)
+                if grown is not None:
+                    writer.flush()
+                    grown(out_dir, columns)
+                progress.update(0.99 * columns / grid.column_count, "sound_scanning")
+        writer.finish()
     finally:
-        writer.discard()
+        writer.end()
     build_upper_levels(out_dir, grid)
-    progress.update(0.99, "sound_scanning")
-    findings = _findings(state, grid, not_finite)
+    findings = _findings(out_dir, grid, len(analyser.bands_hz))
     _write_index(out_dir, grid, analyser.bands_hz, findings)
     progress.update(1.0, "sound_scanning")
     return SoundScan.load(out_dir)
 
 
-def _analysed(reader: AudioReader, frames: int, analyser: Analyser, threads: int) -> Iterator[ScanPart]:
+@dataclass(frozen=True)
+class _Piece:
+    samples: Samples  # (part + 2·context,)
+    frames: int  # of the recording in the part
+    not_finite: int
+
+
+def _analysed(pieces: Iterator[_Piece], analyser: Analyser, threads: int) -> Iterator[tuple[ScanPart, int]]:
     """Yield the parts in order; a few are worked on at a time, so memory does not grow with the recording."""
-    jobs = _pieces(reader, frames, analyser)
     if threads == 1:
-        for samples in jobs:
-            yield analyser.analyse(samples, _COLUMNS_PER_JOB)
+        for piece in pieces:
+            yield analyser.analyse(piece.samples, piece.frames), piece.not_finite
         return
     with ThreadPoolExecutor(threads, "sound-scan") as pool:
-        waiting: deque[Future[ScanPart]] = deque()
+        waiting: deque[tuple[Future[ScanPart], int]] = deque()
         try:
-            for samples in jobs:
-                waiting.append(pool.submit(analyser.analyse, samples, _COLUMNS_PER_JOB))
+            for piece in pieces:
+                waiting.append((pool.submit(analyser.analyse, piece.samples, piece.frames), piece.not_finite))
                 if len(waiting) > threads:
-                    yield waiting.popleft().result()
+                    yield waiting[0][0].result(), waiting[0][1]
+                    waiting.popleft()
             while waiting:
-                yield waiting.popleft().result()
+                yield waiting[0][0].result(), waiting[0][1]
+                waiting.popleft()
         finally:
-            for job in waiting:
+            for job, _ in waiting:
                 job.cancel()
 
 
-def _pieces(reader: AudioReader, frames: int, analyser: Analyser) -> Iterator[Samples]:
-    """Yield the sound in jobs with context on either side; before the start and after the end there are zeros."""
-    size, context = _COLUMNS_PER_JOB * analyser.grid.column, analyser.context
+def _pieces(reader: AudioReader, frames: int, analyser: Analyser, first: int) -> Iterator[_Piece]:
+    """Yield the sound from the part ``first`` on, with context on either side; zeros beyond both ends.
+
+    Each sample is read once, in order: many a compressed file can be read on but not sought in.
+    """
+    size, context = analyser.part, analyser.context
+    start = first * size  # of the part; samples before start + context are in the tail
     tail = np.zeros(2 * context, np.float32)
-    position = 0  # of the next sample to read; the tail ends here
-    head = reader.read(0, min(context, frames))
-    tail[context : context + len(head)] = head
-    position = context
-    while position - context < frames:
+    head_start = max(0, start - context)
+    head = reader.read(min(head_start, frames), max(0, min(start + context, frames) - head_start))
+    tail[context - (start - head_start) :][: len(head)] = head
+    if first:
+        reader.not_finite = 0  # those of the head were counted with the part before
+    while start < frames:
+        position = start + context
         fresh = reader.read(min(position, frames), max(0, min(size, frames - position)))
-        piece = np.zeros(size + 2 * context, np.float32)
+        piece = np.empty(size + 2 * context, np.float32)
         piece[: 2 * context] = tail
         piece[2 * context : 2 * context + len(fresh)] = fresh
-        yield piece
+        piece[2 * context + len(fresh) :] = 0
         tail = piece[size:].copy()
-        position += size
+        yield _Piece(piece, min(size, frames - start), reader.not_finite)
+        reader.not_finite = 0
+        start += size
 
 
-class _ScanWriter:
-    """The files that grow during the pass."""
-
-    def __init__(self, folder: Path, grid: Grid, bands: int) -> None:
-        self._files: dict[str, RowFile] = {}
-        self._state: list[Bytes] = []
-        self._levels = grid.level_count
-        steps = grid.level_count * grid.level // grid.onset_step
-        shapes: tuple[tuple[str, Path, Any, int, int | None], ...] = (
-            ("level_db", folder / "level_db.npy", np.float16, grid.level_count, bands),
-            ("crest_db", folder / "crest_db.npy", np.float16, grid.level_count, bands),
-            ("state", folder / "state.npy", np.uint8, grid.level_count, None),
-            ("onset", folder / "onset.npy", np.uint8, steps, None),
-            ("wave", wave_path(folder, 0), np.float16, wave_block_count(grid), 3),
-            ("tile_max", tile_path(folder, "max", 0), np.uint8, grid.column_count, grid.picture_bins),
-            ("tile_mean", tile_path(folder, "mean", 0), np.uint8, grid.column_count, grid.picture_bins),
-        )
-        try:
-            for name, path, dtype, rows, columns in shapes:
-                self._files[name] = RowFile(path, dtype, rows, columns)
-        except LeaklineError:
-            self.discard()
-            raise
-
-    def add(self, part: ScanPart) -> None:
-        """Append one part."""
-        for name, file in self._files.items():
-            file.add(getattr(part, name))
-        self._state.append(part.state)
-
-    def finish(self) -> Bytes:
-        """Take all files into place and return the states of all level frames."""
-        for file in self._files.values():
-            file.finish()
-        return np.concatenate(self._state)[: self._levels]
-
-    def discard(self) -> None:
-        """Remove what is not complete."""
-        for file in self._files.values():
-            file.discard()
+def _findings(folder: Path, grid: Grid, bands: int) -> tuple[Finding, ...]:
+    shapes = file_shapes(folder, grid, bands)
+    state, facts = load_rows(shapes["state"].path), np.asarray(load_rows(shapes["facts"].path), np.float64)
+    fact = dict(zip((*FACTS, "not_finite"), facts.T, strict=True))
+    found = [*_state_findings(np.asarray(state, np.uint8), grid, fact["clip_level"])]
+    offset = float(fact["mean"].mean())
+    if abs(offset) >= _OFFSET:
+        found.append(Finding("audio_offset", Severity.INFO, {"share_pct": 100 * offset}))
+    hum = {hz: float(np.median(fact[f"hum_{hz}_db"])) for hz in (50, 60)}
+    loudest = max(hum, key=lambda hz: hum[hz])
+    if hum[loudest] >= _HUM_DB:
+        found.append(Finding("audio_hum", Severity.INFO, {"frequency_hz": loudest, "excess_db": hum[loudest]}))
+    if not_finite := int(fact["not_finite"].sum()):
+        found.append(Finding("audio_not_finite", Severity.REPAIRED, {"count": not_finite}))
+    return tuple(found)
 
 
-def _findings(state: Bytes, grid: Grid, not_finite: int) -> tuple[Finding, ...]:
-    found: list[Finding] = []
+def _state_findings(state: Bytes, grid: Grid, clip_level: FloatArray) -> Iterator[Finding]:
     seconds = {bit: float(np.count_nonzero(state & bit) * grid.level_s) for bit, _ in _REASONS}
     share = {bit: float(np.count_nonzero(state & bit) / len(state)) for bit, _ in _REASONS}
     if max(share[SILENT], share[DROPOUT]) >= _DEAD_SHARE:
-        found.append(Finding("audio_dead", Severity.WARNING, {"share_pct": 100 * max(share[SILENT], share[DROPOUT])}))
+        yield Finding("audio_dead", Severity.WARNING, {"share_pct": 100 * max(share[SILENT], share[DROPOUT])})
     elif share[SILENT] > 0 or share[DROPOUT] > 0:
         lost_s = float(np.count_nonzero(state & (SILENT | DROPOUT)) * grid.level_s)
-        found.append(Finding("audio_dropouts", Severity.MASKED, {"seconds": lost_s}))
+        yield Finding("audio_dropouts", Severity.MASKED, {"seconds": lost_s})
     if share[CLIPPED] > 0:
-        params = {"seconds": seconds[CLIPPED], "share_pct": 100 * share[CLIPPED]}
-        found.append(Finding("audio_clipped", Severity.MASKED, params))
-    if not_finite:
-        found.append(Finding("audio_not_finite", Severity.REPAIRED, {"count": not_finite}))
-    return tuple(found)
+        params: dict[str, str | float] = {"seconds": seconds[CLIPPED], "share_pct": 100 * share[CLIPPED]}
+        yield Finding("audio_clipped", Severity.MASKED, params)
+        below = clip_level[clip_level < FULL_SCALE]  # nan where a piece was not clipped
+        if len(below):
+            yield Finding("audio_clipped_below", Severity.INFO, {"level_db": float(20 * np.log10(np.median(below)))})
 
 
 def _write_index(folder: Path, grid: Grid, bands_hz: FloatArray, findings: tuple[Finding, ...]) -> None:
@@ -284,23 +289,14 @@ def _loaded(folder: Path) -> SoundScan:
     bands_hz = np.asarray(content["bands_hz"], np.float64)
     tiles, wave = load_pyramids(folder, grid)
     findings = tuple(Finding(f["code"], Severity(f["severity"]), f["params"]) for f in content["findings"])
-    levels = (grid.level_count, len(bands_hz))
-    return SoundScan(
-        folder=folder,
-        grid=grid,
-        bands_hz=bands_hz,
-        level_db=_array(folder / "level_db.npy", np.float16, levels),
-        crest_db=_array(folder / "crest_db.npy", np.float16, levels),
-        state=_array(folder / "state.npy", np.uint8, levels[:1]),
-        onset=_array(folder / "onset.npy", np.uint8, (grid.level_count * grid.level // grid.onset_step,)),
-        tiles=tiles,
-        wave=wave,
-        findings=findings,
-    )
+    shapes = file_shapes(folder, grid, len(bands_hz))
+    arrays = {name: _array(shapes[name].path, shapes[name]) for name in _SERIES}
+    return SoundScan(folder=folder, grid=grid, bands_hz=bands_hz, tiles=tiles, wave=wave, findings=findings, **arrays)
 
 
-def _array(path: Path, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+def _array(path: Path, shape: Shape) -> npt.NDArray[Any]:
     array = load_rows(path)
-    if array.dtype != np.dtype(dtype) or array.shape != shape:
+    expected = (shape.rows,) if shape.columns is None else (shape.rows, shape.columns)
+    if array.dtype != np.dtype(shape.dtype) or array.shape != expected:
         raise ValueError(f"{path.name} is not what it should be")
     return array

@@ -4,7 +4,6 @@ An event of a single window stays visible in the ``max`` plane at any zoom; the 
 which the maximum of noise hides (acoustics §4.3).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,24 +11,32 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from processing.sound.analysis import TILE_FLOOR_DB, TILE_STEP_DB, Bytes, Halves, power_of, scaled_hann, to_tile
+from processing.sound.analysis import PART_LEVELS, TILE_FACTOR, Halves, power_of, scaled_hann
 from processing.sound.bands import Grid
 from processing.sound.rows import RowFile, load_rows, read_blocks
 from processing.sound.source import AudioReader
+from processing.sound.tile_values import TILE_POWER, Bytes, Pool, max_of_rows, mean_of_rows, pooled, tile_db, to_tile
 from processing.survey import AudioSource, FloatArray
 
+__all__ = [
+    "PLANES",
+    "TilePyramid",
+    "WavePyramid",
+    "build_upper_levels",
+    "load_pyramids",
+    "spectrogram_detail",
+    "streamed_levels",
+    "tile_db",
+    "tile_path",
+    "wave_block_count",
+    "wave_path",
+]
+
 PLANES = ("max", "mean")
-_TILE_FACTOR, _TILE_TOP = 4, 1024
+_TILE_TOP = 1024
 _WAVE_FACTOR, _WAVE_TOP = 16, 4096
 _READ_BLOCK = 1 << 12
 _DETAIL_BLOCK = 64
-_TILE_POWER = (10.0 ** ((TILE_FLOOR_DB + TILE_STEP_DB * np.arange(256)) / 10)).astype(np.float32)
-
-
-def tile_db(tile: Bytes) -> npt.NDArray[np.float32]:
-    """Return dBFS of tile values: 0 dB is a full-scale sine."""
-    level: npt.NDArray[np.float32] = tile.astype(np.float32) * np.float32(TILE_STEP_DB) + np.float32(TILE_FLOOR_DB)
-    return level
 
 
 @dataclass(frozen=True)
@@ -66,7 +73,7 @@ class TilePyramid:
         return _pooled(stack[level], edges, plane).T
 
     def _column_s(self, level: int) -> float:
-        return self.grid.column_s * float(_TILE_FACTOR**level)
+        return self.grid.column_s * float(TILE_FACTOR**level)
 
 
 def _pooled(columns: Bytes, edges: FloatArray, plane: str) -> Bytes:
@@ -93,7 +100,7 @@ def _pool_ranges(piece: Bytes, first: npt.NDArray[np.int64], end: npt.NDArray[np
     if plane == "max":
         highest: Bytes = np.maximum.reduceat(closed, marks, axis=0)[::2]
         return highest
-    total = np.add.reduceat(_TILE_POWER[closed], marks, axis=0)[::2]
+    total = np.add.reduceat(TILE_POWER[closed], marks, axis=0)[::2]
     return to_tile((total / (end - first)[:, None]).astype(np.float32))
 
 
@@ -149,12 +156,20 @@ def wave_path(folder: Path, level: int) -> Path:
     return folder / f"wave_{level}.npy"
 
 
+def streamed_levels(grid: Grid) -> list[int]:
+    """Return how many rows each level of the picture has that the pass itself pools, finest first."""
+    rows = [grid.column_count]
+    for _ in range(min(PART_LEVELS, _tile_level_count(grid) - 1)):
+        rows.append(-(-rows[-1] // TILE_FACTOR))
+    return rows
+
+
 def build_upper_levels(folder: Path, grid: Grid) -> None:
-    """Pool the finest levels in ``folder`` until each picture is small."""
+    """Pool what the pass left in ``folder`` until each picture is small."""
     for plane in PLANES:
-        pool = _max_of_rows if plane == "max" else _mean_of_rows
-        for level in range(1, _tile_level_count(grid)):
-            _pool_file(tile_path(folder, plane, level - 1), tile_path(folder, plane, level), _TILE_FACTOR, pool)
+        pool = max_of_rows if plane == "max" else mean_of_rows
+        for level in range(len(streamed_levels(grid)), _tile_level_count(grid)):
+            _pool_file(tile_path(folder, plane, level - 1), tile_path(folder, plane, level), TILE_FACTOR, pool)
     for level in range(1, _wave_level_count(grid)):
         _pool_file(wave_path(folder, level - 1), wave_path(folder, level), _WAVE_FACTOR, _wave_of_rows)
 
@@ -170,7 +185,7 @@ def load_pyramids(folder: Path, grid: Grid) -> tuple[TilePyramid, WavePyramid]:
         maps, rows = [], grid.column_count
         for level in range(_tile_level_count(grid)):
             maps.append(_checked(tile_path(folder, plane, level), np.uint8, (rows, grid.picture_bins)))
-            rows = -(-rows // _TILE_FACTOR)
+            rows = -(-rows // TILE_FACTOR)
         levels[plane] = tuple(maps)
     waves, rows = [], wave_block_count(grid)
     for level in range(_wave_level_count(grid)):
@@ -192,7 +207,7 @@ def _checked(path: Path, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> npt.ND
 
 
 def _tile_level_count(grid: Grid) -> int:
-    return _level_count(grid.column_count, _TILE_FACTOR, _TILE_TOP)
+    return _level_count(grid.column_count, TILE_FACTOR, _TILE_TOP)
 
 
 def _wave_level_count(grid: Grid) -> int:
@@ -206,28 +221,15 @@ def _level_count(rows: int, factor: int, top: int) -> int:
     return count
 
 
-def _pool_file(fine: Path, coarse: Path, factor: int, pool: Callable[[npt.NDArray[Any]], npt.NDArray[Any]]) -> None:
+def _pool_file(fine: Path, coarse: Path, factor: int, pool: Pool) -> None:
     whole_map = load_rows(fine)
     out = RowFile(coarse, whole_map.dtype, -(-len(whole_map) // factor), whole_map.shape[1])
     try:
         for block in read_blocks(fine, _READ_BLOCK):
-            whole = len(block) // factor * factor
-            if whole:
-                out.add(pool(block[:whole].reshape(-1, factor, block.shape[1])))
-            if whole < len(block):
-                out.add(pool(block[whole:][None]))
+            out.add(pooled(block, factor, pool))
         out.finish()
     finally:
         out.discard()
-
-
-def _max_of_rows(rows: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    highest: npt.NDArray[Any] = rows.max(axis=1)
-    return highest
-
-
-def _mean_of_rows(rows: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    return to_tile(_TILE_POWER[rows].mean(axis=1))
 
 
 def _wave_of_rows(rows: npt.NDArray[Any]) -> npt.NDArray[Any]:
