@@ -19,12 +19,16 @@ _ANCHORS: Mapping[str, str] = {
     "d1bf66 e2cd5c f3db4f ffea46",
     "grey": "ffffff 000000",
 }
-COLOR_MAPS = tuple(_ANCHORS)
+COLOR_MAPS = tuple(_ANCHORS)  # for levels
+EXCESS_MAP = "excess"
+# purple under, white at, orange over the background: PuOr of ColorBrewer (Harrower and Brewer 2003)
+_EXCESS_ANCHORS = "2d004b 542788 8073ac b2abd2 d8daeb f7f7f7 fee0b6 fdb863 e08214 b35806 7f3b08"
 
 
 def color_map(name: str) -> pg.ColorMap:
     """Return a colour map, quiet to loud; ``grey`` runs from white to black."""
-    return pg.ColorMap(None, [f"#{anchor}" for anchor in _ANCHORS[name].split()], name=name)
+    anchors = _EXCESS_ANCHORS if name == EXCESS_MAP else _ANCHORS[name]
+    return pg.ColorMap(None, [f"#{anchor}" for anchor in anchors.split()], name=name)
 
 
 def color_table(name: str) -> npt.NDArray[np.uint8]:

@@ -1,6 +1,7 @@
 """The decibel bar beside a spectrogram: which colour stands for which level, and handles to change that."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -22,6 +23,7 @@ class ColourBar:
     low_db: float
     high_db: float
     color_map: str
+    symmetric: bool = False  # the colours run as far below 0 dB as above it
 
     def bar_rect(self, rect: QRectF) -> QRectF:
         """Return where the colours stand within the room given."""
@@ -41,6 +43,18 @@ class ColourBar:
         table = color_table(self.color_map)[level_color_index(levels_db, self.low_db, self.high_db)]
         return [qRgb(*row) for row in table.tolist()]
 
+    def table(self, first_db: float, last_db: float) -> list[int]:
+        """Return the 256 colours of numbers that stand for levels from ``first_db`` to ``last_db``."""
+        # asked for with each frame, and the same until someone changes the colours
+        found = self._tables.get((first_db, last_db))
+        if found is None:
+            found = self._tables[first_db, last_db] = self.colours(np.linspace(first_db, last_db, 256))
+        return found
+
+    @cached_property
+    def _tables(self) -> dict[tuple[float, float], list[int]]:
+        return {}
+
     def grabbed(self, rect: QRectF, place: QPointF) -> str:
         """Return which end follows the mouse when it is pressed here: ``low``, ``high``, ``both`` or ``""``."""
         if not rect.adjusted(0, -6, 0, 6).contains(place):
@@ -54,7 +68,11 @@ class ColourBar:
     def dragged(self, end: str, by_db: float) -> tuple[float, float]:
         """Return the ends of the colours after one of them (or both) was moved by decibels, within the scale."""
         low, high = self.low_db, self.high_db
-        if end == "low":
+        if self.symmetric:
+            half = high if end == "both" else high + (by_db if end == "high" else -by_db)
+            half = min(max(half, LEAST_RANGE_DB), self.scale.high)
+            low, high = -half, half
+        elif end == "low":
             low = min(max(low + by_db, self.scale.low), high - LEAST_RANGE_DB)
         elif end == "high":
             high = max(min(high + by_db, self.scale.high), low + LEAST_RANGE_DB)

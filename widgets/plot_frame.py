@@ -319,12 +319,7 @@ class PlotFrame(QWidget):
     def _paint_over(self, painter: QPainter) -> None:
         rect = self.plot_rect()
         painter.setFont(self._theme.font())
-        if self._cursor.selection_s is not None:
-            left, right = (self.pixel_of_time(t) for t in self._cursor.selection_s)
-            area = QRectF(left, rect.top(), max(right - left, 1.0), rect.height()).intersected(rect)
-            colour = QColor(self._theme.accent)
-            colour.setAlpha(50)
-            painter.fillRect(area, colour)
+        self._paint_selection(painter, rect)
         x = self._painted_cursor_x = self.pixel_of_time(self._cursor.time_s)
         if rect.left() <= x <= rect.right():
             painter.setPen(QPen(QColor(self._theme.cursor), self._theme.line_width))
@@ -334,6 +329,16 @@ class PlotFrame(QWidget):
             painter.setPen(QPen(QColor(self._theme.accent), 2))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(QRectF(self.rect()).adjusted(1, 1, -1, -1))
+
+    def _paint_selection(self, painter: QPainter, rect: QRectF) -> None:
+        """Shade the selected span."""
+        if self._cursor.selection_s is None:
+            return
+        left, right = (self.pixel_of_time(t) for t in self._cursor.selection_s)
+        area = QRectF(left, rect.top(), max(right - left, 1.0), rect.height()).intersected(rect)
+        colour = QColor(self._theme.accent)
+        colour.setAlpha(50)
+        painter.fillRect(area, colour)
 
     def _value_rect(self) -> QRectF:
         rect = self.plot_rect()

@@ -1,7 +1,7 @@
 """What a spectrogram view asks of sound, and how its columns become the pixels of a picture.
 
-The science's tile pyramid answers :class:`TileSource`; the pixels are max-pooled in time, in metres and in frequency,
-so that an event of a single frame stays visible at any zoom.
+The science's tile pyramid answers :class:`TileSource`; the pixels are pooled in time, in metres and in frequency: by
+the maximum, so that an event of a single frame stays visible at any zoom, or by the mean of the powers.
 """
 
 from typing import Protocol
@@ -39,15 +39,18 @@ class TileSource(Protocol):
     def end_s(self) -> float:
         """Last moment that it covers, in survey seconds."""
 
-    def columns(self, start_s: float, end_s: float, columns: int) -> Levels:
-        """Return uint8 (bins, columns): the highest level within each of equal spans of survey time; 0 outside."""
+    def columns(self, start_s: float, end_s: float, columns: int, plane: str = "max") -> Levels:
+        """Return uint8 (bins, columns): the level within each of equal spans of survey time; 0 outside.
+
+        ``plane`` is ``max``, the highest level in a span, or ``mean``, the level of the mean power.
+        """
 
 
-def pixel_levels(source: TileSource, edges_s: FloatArray, frequency: Scale, rows: int) -> Levels:
+def pixel_levels(source: TileSource, edges_s: FloatArray, frequency: Scale, rows: int, plane: str = "max") -> Levels:
     """Return the picture (rows, columns) over spans between ``edges_s`` (columns + 1), highest frequency first.
 
     ``edges_s`` never falls but may be uneven (metres): the source is asked finely enough for the quickest stretch, and
-    what is finer than a pixel is max-pooled.
+    what is finer than a pixel is pooled, as the plane is.
     """
     columns = len(edges_s) - 1
     steps = np.diff(edges_s)
@@ -58,17 +61,23 @@ def pixel_levels(source: TileSource, edges_s: FloatArray, frequency: Scale, rows
     even = float(usable.max()) <= 1.001 * float(usable.min()) and len(usable) == columns
     asked = columns if even else int(min(np.ceil(2.0 * span / np.percentile(usable, 2.0)), MOST_COLUMNS))
     asked = max(asked, columns)
-    levels = source.columns(float(edges_s[0]), float(edges_s[-1]), asked)
-    levels = pooled_rows(levels, source.frequencies_hz, frequency, rows)
-    return levels if even else pooled_columns(levels, edges_s)
+    levels = source.columns(float(edges_s[0]), float(edges_s[-1]), asked, plane)
+    step_db = source.step_db if plane == "mean" else None
+    levels = pooled_rows(levels, source.frequencies_hz, frequency, rows, step_db)
+    return levels if even else pooled_columns(levels, edges_s, step_db)
 
 
-def pooled_columns(levels: Levels, edges_s: FloatArray) -> Levels:
-    """Return the maxima of even columns over uneven spans that together cover the same time."""
+def pooled_columns(levels: Levels, edges_s: FloatArray, step_db: float | None = None) -> Levels:
+    """Return even columns pooled over uneven spans that together cover the same time.
+
+    Pooled are maxima, or with ``step_db`` the means of the powers of levels that are steps of so many decibels.
+    """
     count = levels.shape[1]
     places = (edges_s - edges_s[0]) / (edges_s[-1] - edges_s[0]) * count
     starts = np.clip(np.floor(places[:-1] + 1e-6).astype(np.intp), 0, count - 1)
     ends = np.clip(np.ceil(places[1:] - 1e-6).astype(np.intp), starts + 1, count)
+    if step_db is not None:
+        return np.ascontiguousarray(mean_levels(levels, starts, ends, step_db, axis=1))
     pairs = np.empty(2 * len(starts), dtype=np.intp)
     pairs[0::2], pairs[1::2] = starts, np.minimum(ends, count - 1)
     # a reduceat whose end is not beyond its start returns the start alone: right for spans of one column
@@ -93,12 +102,47 @@ def bin_rows(
     return starts, np.minimum(ends, len(frequencies_hz))
 
 
-def pooled_rows(levels: Levels, frequencies_hz: FloatArray, frequency: Scale, rows: int) -> Levels:
-    """Return (rows, columns): each pixel row holds the maximum of the bins that it shows; 0 where there are none."""
+def pooled_rows(
+    levels: Levels, frequencies_hz: FloatArray, frequency: Scale, rows: int, step_db: float | None = None
+) -> Levels:
+    """Return (rows, columns): each pixel row pools the bins that it shows, as :func:`pooled_columns`; 0 for none."""
     starts, ends = bin_rows(frequencies_hz, frequency, rows)
-    # of each pair the even result is the row's; the row added behind makes every end a valid mark
-    closed = np.concatenate((levels, levels[-1:]))
-    marks = np.stack((np.minimum(starts, len(levels) - 1), ends), axis=1).ravel()
-    pooled: Levels = np.maximum.reduceat(closed, marks, axis=0)[0::2]
+    if step_db is None:
+        # of each pair the even result is the row's; the row added behind makes every end a valid mark
+        closed = np.concatenate((levels, levels[-1:]))
+        marks = np.stack((np.minimum(starts, len(levels) - 1), ends), axis=1).ravel()
+        pooled: Levels = np.maximum.reduceat(closed, marks, axis=0)[0::2]
+    else:
+        first = np.minimum(starts, len(levels) - 1)
+        pooled = mean_levels(levels, first, np.maximum(ends, first + 1), step_db, axis=0)
     pooled[ends <= starts] = 0
     return np.ascontiguousarray(pooled)
+
+
+def mean_levels(
+    levels: Levels, starts: npt.NDArray[np.intp], ends: npt.NDArray[np.intp], step_db: float, axis: int
+) -> Levels:
+    """Return the level of the mean power over ``starts``..``ends`` (each not empty) along an axis.
+
+    What is 0, "nothing there", does not count; a span of nothing is 0.
+    """
+    power = np.asarray(10.0 ** (0.1 * step_db * np.arange(256)), np.float64)
+    power[0] = 0.0
+    there = np.ones(256, np.float64)
+    there[0] = 0.0
+    total, count = (_summed(table[levels], starts, ends, axis) for table in (power, there))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = np.rint(10.0 * np.log10(total / count) / step_db)
+    return np.where(count > 0, np.clip(steps, 1, 255), 0).astype(np.uint8)
+
+
+def _summed(
+    values: npt.NDArray[np.float64], starts: npt.NDArray[np.intp], ends: npt.NDArray[np.intp], axis: int
+) -> npt.NDArray[np.float64]:
+    """Return the sums over spans along an axis, by the differences of reduceat: no rounding of far sums gets in."""
+    room = [(0, 0), (0, 0)]
+    room[axis] = (0, 1)  # so that every end is a valid mark; never inside a span
+    closed = np.pad(values, room)
+    marks = np.stack((starts, ends), axis=1).ravel()
+    sums = np.add.reduceat(closed, marks, axis=axis)
+    return sums[0::2] if axis == 0 else sums[:, 0::2]

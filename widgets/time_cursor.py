@@ -135,6 +135,20 @@ class TimeCursor(QObject):
         times[0], times[-1] = self._extent_s if whole else self._range_s
         return np.maximum.accumulate(times)
 
+    def edges_s(self, low: float, high: float, columns: int) -> FloatArray:
+        """Return ``columns + 1`` moments as :meth:`column_edges_s` does, of any span of the axis in its own unit."""
+        if (low, high) == self.x_range:
+            return self.column_edges_s(columns)
+        edges = np.linspace(low, high, columns + 1)
+        if self._mode is AxisMode.TIME or self._map is None:
+            return edges
+        first, last = self.x_extent
+        times = self._map.first_time_at(edges)
+        # what was heard while it stood at the end of the span, or at an end of the pipe, belongs to it
+        times[-1] = self._extent_s[1] if high >= last else float(self._map.last_time_at(high))
+        times[0] = self._extent_s[0] if low <= first else times[0]
+        return np.maximum.accumulate(times)
+
     # --- what it shows ------------------------------------------------------------------------------------------
 
     def set_extent(self, start_s: float, end_s: float) -> None:

@@ -45,7 +45,7 @@ class MemoryTiles:
             level = np.maximum.reduceat(level, np.arange(0, len(level), 4), axis=0)
             self.levels.append(level)
 
-    def columns(self, start_s, end_s, columns):
+    def columns(self, start_s, end_s, columns, plane="max"):
         pixel_s = (end_s - start_s) / columns
         level = max((k for k in range(len(self.levels)) if COLUMN_S * 4**k <= pixel_s), default=0)
         stored = self.levels[level]

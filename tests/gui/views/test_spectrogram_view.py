@@ -30,7 +30,7 @@ class FakeTiles:
             self.levels[loud_bins, int(event / hop_s)] = 200
         self.calls = 0
 
-    def columns(self, start_s, end_s, columns):
+    def columns(self, start_s, end_s, columns, plane="max"):
         self.calls += 1
         result = np.zeros((len(self.frequencies_hz), columns), np.uint8)
         edges = np.linspace(start_s, end_s, columns + 1) / self.hop_s
@@ -203,6 +203,7 @@ def press_move_release(view, start, end):
 
 
 def test_a_dragged_band_handle_is_told_once_when_it_is_let_go(view, qtbot):
+    view.set_frequency_scale("linear")
     view.set_source(FakeTiles())
     view.set_band(1000.0, 4000.0)
     rect = view.plot_rect()
@@ -216,7 +217,7 @@ def test_a_dragged_band_handle_is_told_once_when_it_is_let_go(view, qtbot):
         view, QPointF(start.x(), rect.bottom() - 0.125 * rect.height()), QPointF(start.x(), rect.top() - 40)
     )
     low, high = view.band_hz
-    assert low == pytest.approx(high - 1.0)  # the handles never pass each other
+    assert low == pytest.approx(high / 1.05)  # the handles never pass each other
 
 
 def test_dragging_the_ends_of_the_bar_moves_the_decibel_range_exactly(view, qtbot):
@@ -235,6 +236,7 @@ def test_dragging_the_ends_of_the_bar_moves_the_decibel_range_exactly(view, qtbo
 
 
 def test_the_readout_tells_time_metres_place_frequency_and_decibels(cursor, view, qtbot):
+    view.set_frequency_scale("linear")
     view.set_source(FakeTiles(events=(400.05,)))
     sharp(qtbot, view)
     cursor.set_range(390.0, 410.0)
@@ -266,7 +268,7 @@ def test_until_it_is_sharp_the_picture_is_drawn_stretched_from_what_is_at_hand(c
 
 def test_a_read_that_fails_is_told_and_not_asked_for_again_and_again(cursor, view, qtbot):
     class Broken(FakeTiles):
-        def columns(self, start_s, end_s, columns):
+        def columns(self, start_s, end_s, columns, plane="max"):
             self.calls += 1
             raise LeaklineError(ErrorCode.AUDIO_UNREADABLE)
 
@@ -324,6 +326,7 @@ def test_our_own_bug_in_a_worker_is_raised_where_the_crash_guard_sees_it(qtbot):
 
 
 def test_the_wheel_with_control_zooms_frequencies_about_the_mouse(view, qtbot):
+    view.set_frequency_scale("linear")
     view.set_source(FakeTiles())
     rect = view.plot_rect()
     place = QPointF(rect.center().x(), rect.top() + 0.25 * rect.height())
