@@ -5,12 +5,13 @@ one line ``audio − survey = offset + drift · survey`` are counted, and a line
 give it and no other line comes near (acoustics §6). Else the map is assumed, with the doubt that this deserves.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
+from processing.clock_fit import ClockFit, Line, PairKind, Pairs, doubt_of
 from processing.progress import Progress, silent
 from processing.settings import ClockSettings
 from processing.sound.onsets import Events, audio_events, imu_events
@@ -28,21 +29,11 @@ _MAX_CHANCE = 1e-4
 _EVENT_JITTER_S = 0.006  # of an audio onset against the moment of the blow
 _PAIR_SIGMA_S = 0.003  # of one pair, where the fit itself is not asked
 _GIVEN_SIGMA_S = 0.005
-
-
-@dataclass(frozen=True)
-class _Line:
-    """``audio − survey = offset_s + drift · (survey − middle_s)`` and the pairs that lie on it."""
-
-    offset_s: float
-    drift: float
-    middle_s: float
-    survey_s: FloatArray  # (n,) moments of the pairs
-    shift_s: FloatArray  # (n,) audio − survey of the pairs
-
-    @property
-    def count(self) -> int:
-        return len(self.survey_s)
+_DELAY_PERIODS = 0.3  # 1 sigma of the IMU's filter delay, which differs from maker to maker
+_CONTACT_S = 0.002  # 1 sigma of the moment of the force against the first sound of a blow
+_LEAST_SCATTER_S = 0.001  # of a pair, however well a few agree
+_CONTRADICTION_S = 0.1
+_WORTH_TELLING_S = 0.002
 
 
 def align(
@@ -51,29 +42,41 @@ def align(
     told: AudioInfo,
     settings: ClockSettings,
     progress: Progress | None = None,
-) -> tuple[ClockMap, tuple[Finding, ...]]:
+) -> ClockFit:
     """Return the map from audio time to survey time, and what it rests on.
 
-    Values in ``told`` win; one that is missing is estimated, and assumed 0 where nothing convincing is found.
-    ``sigma_s`` (1 sigma) holds in the middle of the recording.
+    Values in ``told`` win; one that is missing is estimated, and assumed 0 where nothing convincing is found. A start
+    that is told is still compared with what the sensors felt: a contradiction is a finding.
     """
     progress = progress or silent()
     progress.update(0.0, "clock_aligning")
-    if told.start_time_s is not None and told.drift_ppm is not None:
-        return ClockMap(told.start_time_s, told.drift_ppm, _GIVEN_SIGMA_S, "given"), ()
+    given = told.start_time_s is not None and told.drift_ppm is not None
     if scan is None or len(imu.time_s) < 3:
-        return _assumed(told, 0.0, settings)
+        return _given(told) if given else _assumed(told, 0.0, settings)
     period_s = 1.0 / imu.sample_rate_hz
     felt = imu_events(imu)
     felt = Events(felt.time_s - settings.imu_delay_periods * period_s, felt.strength)
     progress.update(0.4)
     heard = audio_events(scan)
-    progress.update(0.7)
-    search = _Search(felt, heard, _EVENT_JITTER_S + 0.6 * period_s, told, settings, scan.duration_s)
-    start, end = search.knocks()
-    bumps = search.bumps(start or end)
+    progress.update(0.6)
+
+    def related(told: AudioInfo) -> ClockFit:
+        search = _Search(felt, heard, _EVENT_JITTER_S + 0.6 * period_s, told, settings, scan.duration_s)
+        start, end = search.knocks()
+        return _chosen(start, end, search.bumps(start or end), search, period_s)
+
+    found = _given(told) if given else related(told)
+    progress.update(0.8)
+    if told.start_time_s is not None:
+        free = related(AudioInfo())
+        found = replace(
+            found,
+            findings=(*found.findings, *_contradiction(found.clock, free.clock)),
+            pairs=found.pairs or free.pairs,
+        )
     progress.update(1.0)
-    return _chosen(start, end, bumps, search, period_s)
+    most = int(min(_MOST_BUMPS, _BUMPS_PER_S * scan.duration_s))
+    return replace(found, felt_s=felt.strongest(most).time_s, heard_s=heard.strongest(most).time_s)
 
 
 class _Search:
@@ -108,14 +111,14 @@ class _Search:
         room = 0.1 if self.told.start_time_s is not None else self.settings.search_s
         return expected, room + self.drift_range * max(0.0, survey_s - self.begin_s)
 
-    def knocks(self) -> tuple[_Line | None, _Line | None]:
+    def knocks(self) -> tuple[Line | None, Line | None]:
         """Return the alignment by knocks in the zones at the start and at the end."""
         zone = min(self.settings.knock_zone_s, self.audio_s / 2)
         start = self._zone(self.begin_s, self.begin_s + zone, None)
         end_s = self.begin_s + self.audio_s
         return start, self._zone(end_s - zone, end_s, start)
 
-    def _zone(self, from_s: float, to_s: float, known: _Line | None) -> _Line | None:
+    def _zone(self, from_s: float, to_s: float, known: Line | None) -> Line | None:
         """Return a line with the expected drift through at least four of the strongest events in a span."""
         centre, room = self.shift_at(0.5 * (from_s + to_s))
         if known is not None:
@@ -136,7 +139,7 @@ class _Search:
     def _pairs_by_chance(self, felt: Events, heard: Events, span_s: float) -> float:
         return len(felt.time_s) * len(heard.time_s) * 2 * self.tolerance_s / max(span_s, 1.0)
 
-    def bumps(self, known: _Line | None) -> _Line | None:
+    def bumps(self, known: Line | None) -> Line | None:
         """Return the line through the joint bumps along the way, near ``known`` where there is one."""
         most = int(min(_MOST_BUMPS, _BUMPS_PER_S * self.audio_s))
         felt, heard = self.felt.strongest(most), self.heard.strongest(most)
@@ -179,7 +182,7 @@ def _best_line(
     expected: float,
     min_pairs: int,
     prior: tuple[float, float],
-) -> _Line | None:
+) -> Line | None:
     """Return the line with most pairs within ±tolerance, or None where it may be chance or another is as good.
 
     ``expected`` is how many pairs strangers would give a line.
@@ -222,7 +225,7 @@ def _fitted(
     tolerance_s: float,
     with_drift: bool,
     prior: tuple[float, float],
-) -> _Line:
+) -> Line:
     """Return the least-squares line through the pairs near the one found, in three rounds of narrowing."""
     near = np.ones(len(survey_s), np.bool_)
     for reach in (2.0, 1.5, 1.2):
@@ -232,7 +235,7 @@ def _fitted(
             drift, offset_s = _straight(survey_s[near] - middle_s, shift_s[near], prior)
         else:
             offset_s = float(np.mean(shift_s[near] - drift * (survey_s[near] - middle_s)))
-    return _Line(offset_s, drift, middle_s, survey_s[near], shift_s[near])
+    return Line(offset_s, drift, middle_s, survey_s[near], shift_s[near])
 
 
 def _straight(x: FloatArray, y: FloatArray, prior: tuple[float, float]) -> tuple[float, float]:
@@ -248,13 +251,13 @@ def _straight(x: FloatArray, y: FloatArray, prior: tuple[float, float]) -> tuple
     return slope, centre_y - slope * centre_x
 
 
-def _is_knocking(line: _Line) -> bool:
+def _is_knocking(line: Line) -> bool:
     """Whether at least four of the pairs come as close together as somebody knocks."""
     times = np.sort(line.survey_s)
     return bool(np.any(times[_MIN_KNOCKS - 1 :] - times[: 1 - _MIN_KNOCKS] <= _KNOCKING_S))
 
 
-def _halves_agree(line: _Line, survey_s: FloatArray, shift_s: FloatArray, room: float, tolerance_s: float) -> bool:
+def _halves_agree(line: Line, survey_s: FloatArray, shift_s: FloatArray, room: float, tolerance_s: float) -> bool:
     """Whether each half of the run, on its own, has its most pairs at the same offset along that drift."""
     offsets = shift_s - line.drift * (survey_s - line.middle_s)
     for part in (survey_s < line.middle_s, survey_s >= line.middle_s):
@@ -271,17 +274,13 @@ def _halves_agree(line: _Line, survey_s: FloatArray, shift_s: FloatArray, room: 
 # --- from lines to a map ---------------------------------------------------------------------------------------------
 
 
-def _chosen(
-    start: _Line | None, end: _Line | None, bumps: _Line | None, search: _Search, period_s: float
-) -> tuple[ClockMap, tuple[Finding, ...]]:
+def _chosen(start: Line | None, end: Line | None, bumps: Line | None, search: _Search, period_s: float) -> ClockFit:
     told, settings = search.told, search.settings
     line, basis = bumps, "bumps"
     if start is not None and end is not None:
         line, basis = _through(start, end, search), "knocks"
     elif (start or end) is not None and bumps is None:
         line, basis = start or end, "knocks"
-    elif (start or end) is not None:
-        basis = "knocks"
     if line is None:
         return _assumed(told, search.audio_s, settings)
     has_drift = told.drift_ppm is not None or line is bumps or (start is not None and end is not None)
@@ -291,19 +290,27 @@ def _chosen(
     start_s = (drift * line.middle_s - line.offset_s) / (1.0 + drift)
     if told.start_time_s is not None:
         start_s = told.start_time_s
-    sigma_s = _sigma_s(line, period_s)
-    if not has_drift:
-        away_s = abs(search.middle_s - line.middle_s)
-        sigma_s = float(np.hypot(sigma_s, away_s * settings.assumed_drift_sigma_ppm * 1e-6))
+    prior = settings.assumed_drift_sigma_ppm * 1e-6
+    delay_s = float(np.hypot(_DELAY_PERIODS * period_s, _CONTACT_S))
+    doubt = doubt_of(line, delay_s, prior, _LEAST_SCATTER_S)
+    drift_sigma = doubt.drift_sigma if has_drift else prior
+    drift_sigma = 0.0 if told.drift_ppm is not None else drift_sigma
+    doubt = replace(doubt, drift_sigma=drift_sigma)
+    sigma_s = doubt.at(search.middle_s)
     params: dict[str, str | float] = {"pairs": line.count, "drift_ppm": drift * 1e6, "sigma_ms": 1000 * sigma_s}
     if has_drift:
-        finding = Finding(f"clock_{basis}", Severity.INFO, params)
+        findings = [Finding(f"clock_{basis}", Severity.INFO, params)]
     else:
-        finding = Finding("clock_no_drift", Severity.WARNING, params)
-    return ClockMap(start_s, drift * 1e6, sigma_s, basis), (finding,)
+        findings = [Finding("clock_no_drift", Severity.WARNING, params)]
+    if doubt.wander_s > _WORTH_TELLING_S:
+        findings.append(Finding("clock_wanders", Severity.WARNING, {"wander_ms": 1000 * doubt.wander_s}))
+    clock = ClockMap(start_s, drift * 1e6, sigma_s, basis, drift_sigma * 1e6, doubt.settled_s, doubt.settled_sigma_s)
+    kinds = ((PairKind.START, start), (PairKind.END, end), (PairKind.BUMPS, bumps))
+    pairs = {str(kind): Pairs(part.survey_s, part.shift_s) for kind, part in kinds if part is not None}
+    return ClockFit(clock, tuple(findings), pairs)
 
 
-def _through(start: _Line, end: _Line, search: _Search) -> _Line:
+def _through(start: Line, end: Line, search: _Search) -> Line:
     """Return the line through the knocks at both ends."""
     survey_s = np.concatenate([start.survey_s, end.survey_s])
     shift_s = np.concatenate([start.shift_s, end.shift_s])
@@ -312,20 +319,30 @@ def _through(start: _Line, end: _Line, search: _Search) -> _Line:
         offset_s = float(np.mean(shift_s - drift * (survey_s - search.middle_s)))
     else:
         drift, offset_s = _straight(survey_s - search.middle_s, shift_s, search.prior)
-    return _Line(offset_s, drift, search.middle_s, survey_s, shift_s)
+    return Line(offset_s, drift, search.middle_s, survey_s, shift_s)
 
 
-def _sigma_s(line: _Line, period_s: float) -> float:
-    """Return the scatter of the mean of the pairs with most of a sample for the sensor's unknown delay."""
-    residual = line.shift_s - line.offset_s - line.drift * (line.survey_s - line.middle_s)
-    scatter = float(np.sqrt(np.sum(residual**2) / max(line.count - 2, 1)))
-    return float(np.hypot(scatter / np.sqrt(line.count), 0.7 * period_s))
+def _given(told: AudioInfo) -> ClockFit:
+    """Return what was told."""
+    return ClockFit(ClockMap(told.start_time_s or 0.0, told.drift_ppm or 0.0, _GIVEN_SIGMA_S, "given"))
 
 
-def _assumed(told: AudioInfo, audio_s: float, settings: ClockSettings) -> tuple[ClockMap, tuple[Finding, ...]]:
-    """Return what was told, zeros for the rest, and the doubt in the middle of the recording."""
+def _contradiction(told: ClockMap, found: ClockMap) -> tuple[Finding, ...]:
+    """Return a finding where what was told is off from what both sensors felt by more than both can be."""
+    at = found.settled_s
+    off_s = abs(float(told.to_audio(at) - found.to_audio(at)))
+    sigma_s = float(np.hypot(told.sigma_at(at), found.sigma_at(at)))
+    if found.basis == "assumed" or off_s < max(_CONTRADICTION_S, 5 * sigma_s):
+        return ()
+    params = {"off_s": off_s, "told_s": told.start_s, "found_s": found.start_s, "found_ppm": found.drift_ppm}
+    return (Finding("clock_told_contradicted", Severity.WARNING, params),)
+
+
+def _assumed(told: AudioInfo, audio_s: float, settings: ClockSettings) -> ClockFit:
+    """Return what was told, zeros for the rest, and the doubt of that."""
     start_sigma = _GIVEN_SIGMA_S if told.start_time_s is not None else settings.assumed_start_sigma_s
-    drift_sigma = 0.0 if told.drift_ppm is not None else settings.assumed_drift_sigma_ppm * 1e-6 * audio_s / 2
-    sigma_s = float(np.hypot(start_sigma, drift_sigma))
-    clock = ClockMap(told.start_time_s or 0.0, told.drift_ppm or 0.0, sigma_s, "assumed")
-    return clock, (Finding("clock_assumed", Severity.WARNING, {"sigma_ms": 1000 * sigma_s}),)
+    drift_sigma = 0.0 if told.drift_ppm is not None else settings.assumed_drift_sigma_ppm * 1e-6
+    sigma_s = float(np.hypot(start_sigma, drift_sigma * audio_s / 2))
+    start_s = told.start_time_s or 0.0
+    clock = ClockMap(start_s, told.drift_ppm or 0.0, sigma_s, "assumed", drift_sigma * 1e6, start_s, start_sigma)
+    return ClockFit(clock, (Finding("clock_assumed", Severity.WARNING, {"sigma_ms": 1000 * sigma_s}),))

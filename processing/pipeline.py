@@ -14,6 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from processing.clock import align
+from processing.clock_fit import ClockFit
 from processing.errors import ErrorCode, LeaklineError
 from processing.importing.folder import ImportOptions, import_folder
 from processing.orientation.calibration import Calibration
@@ -56,7 +57,7 @@ VERSIONS = {
     "evidence": 2,
     "track": 8,
     "scan": 2,
-    "clock": 1,
+    "clock": 2,
     "candidates": 1,
 }
 
@@ -142,7 +143,7 @@ def process(
     findings = [*recording.findings]
     findings += oriented.findings if oriented is not None else ()
     findings += track.findings if track is not None else ()
-    findings += (*sound.scan.findings, *sound.findings) if sound is not None else ()
+    findings += (*sound.scan.findings, *sound.fit.findings) if sound is not None else ()
     stretches = {
         *known_bad,
         *_never_heard(track, audio),
@@ -169,6 +170,7 @@ def process(
         tie_checks=path.fitted.checks if path is not None else (),
         series=path.fitted.series if path is not None else None,
         attitude=oriented.attitude if oriented is not None else None,
+        clock_fit=sound.fit if sound is not None else None,
     )
 
 
@@ -196,20 +198,15 @@ class _Steps:
 
 
 @dataclass(frozen=True)
-class _Clocked:
-    """What :func:`processing.clock.align` says, as the cache keeps it."""
-
-    clock: ClockMap
-    findings: tuple[Finding, ...]
-
-
-@dataclass(frozen=True)
 class _Sound:
     source: AudioSource
     scan: SoundScan
-    clock: ClockMap
-    findings: tuple[Finding, ...]
+    fit: ClockFit
     key: str
+
+    @property
+    def clock(self) -> ClockMap:
+        return self.fit.clock
 
 
 @dataclass(frozen=True)
@@ -335,22 +332,22 @@ def _sound(
 
     folder = steps.cache.entry("scan", key, listen)
     listened = SoundScan.load(folder)
-    clocked = steps.cached(
+    fitted = steps.cached(
         "clock",
         digest(key, files, survey.audio, settings.clock),
-        lambda: _clocked(imu, listened, survey.audio, settings.clock, steps.progress.part(0.85, 0.9)),
-        _Clocked,
+        lambda: _clock(imu, listened, survey.audio, settings.clock, steps.progress.part(0.85, 0.9)),
+        ClockFit,
     )
-    return _Sound(audio, listened, clocked.clock, clocked.findings, key)
+    return _Sound(audio, listened, fitted, key)
 
 
-def _clocked(
+def _clock(
     imu: ImuSamples | None, listened: SoundScan, told: AudioInfo, settings: ClockSettings, progress: Progress
-) -> _Clocked:
+) -> ClockFit:
     """Return the clock; without motion there is nothing to align with, and the sound's own clock serves."""
     if imu is None:
-        return _Clocked(ClockMap(told.start_time_s or 0.0, told.drift_ppm or 0.0, 0.0, "given"), ())
-    return _Clocked(*align(imu, listened, told, settings, progress))
+        return ClockFit(ClockMap(told.start_time_s or 0.0, told.drift_ppm or 0.0, 0.0, "given"))
+    return align(imu, listened, told, settings, progress)
 
 
 def _candidates(

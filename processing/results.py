@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from processing.clock_fit import ClockFit
 from processing.orientation.calibration import Calibration
 from processing.position.fit_results import FitSeries
 from processing.position.registry import Reckoned
@@ -34,3 +35,4 @@ class Results:
     tie_checks: tuple[TieCheck, ...] = ()
     series: FitSeries | None = None  # the course of the fit's unknowns
     attitude: Attitude | None = None  # at the IMU's rate, memory-mapped where it came from the cache
+    clock_fit: ClockFit | None = None  # what relates the two clocks

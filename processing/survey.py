@@ -246,12 +246,25 @@ class AudioSource:
 
 @dataclass(frozen=True)
 class ClockMap:
-    """Survey time of audio time: ``survey_s = start_s + audio_s / (1 + drift_ppm·1e-6)``, ± ``sigma_s`` (1 sigma)."""
+    """Survey time of audio time: ``survey_s = start_s + audio_s / (1 + drift_ppm·1e-6)``, ± ``sigma_s`` (1 sigma).
+
+    ``sigma_s`` holds in the middle of the recording; :meth:`sigma_at` tells it anywhere. The two clocks are related
+    best at ``settled_s`` (survey time, ± ``settled_sigma_s``), and their doubt grows from there by ``drift_sigma_ppm``.
+    """
 
     start_s: float = 0.0
     drift_ppm: float = 0.0
     sigma_s: float = 0.0
     basis: str = "assumed"  # given | knocks | bumps | assumed
+    drift_sigma_ppm: float = 0.0
+    settled_s: float = 0.0
+    settled_sigma_s: float | None = None  # None: as sigma_s, everywhere
+
+    def sigma_at(self, survey_s: FloatArray | float) -> FloatArray:
+        """Return how well survey time is known, 1 sigma in seconds, at moments of the survey."""
+        settled = self.sigma_s if self.settled_sigma_s is None else self.settled_sigma_s
+        away = np.asarray(survey_s, dtype=np.float64) - self.settled_s
+        return np.asarray(np.hypot(settled, self.drift_sigma_ppm * 1e-6 * away), dtype=np.float64)
 
     def to_survey(self, audio_s: FloatArray | float) -> FloatArray:
         """Return survey seconds of seconds on the audio clock."""

@@ -525,6 +525,75 @@
     </message>
 </context>
 <context>
+    <name>ClockPanel</name>
+    <message>
+        <source>No blow was found that both felt: there is nothing to see.</source>
+        <translation>İkisinin de duyduğu bir darbe bulunamadı: gösterilecek bir şey yok.</translation>
+    </message>
+</context>
+<context>
+    <name>ClockView</name>
+    <message>
+        <source>Blows: felt above, heard below</source>
+        <translation>Darbeler: üstte hareket, altta ses</translation>
+    </message>
+    <message>
+        <source>How far the sound comes after the motion: one peak fits</source>
+        <translation>Sesin hareketten ne kadar sonra geldiği: tek tepe uyumdur</translation>
+    </message>
+    <message>
+        <source>How the clocks of sound and motion fit</source>
+        <translation>Ses ve hareket saatlerinin birbirine uyumu</translation>
+    </message>
+    <message>
+        <source>Left over along the run, ±{ms} ms (shaded: 95 %)</source>
+        <translation>Kayıt boyunca kalan, ±{ms} ms (gölge: %95)</translation>
+    </message>
+    <message>
+        <source>{seconds} s</source>
+        <translation>{seconds} s</translation>
+    </message>
+</context>
+<context>
+    <name>CoherencePlot</name>
+    <message>
+        <source>Coherence and band</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Drag the band or its edges. By key: left and right move it, up and down widen it.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Here stands at which frequencies both sensors hear the same.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>chance (99 %)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>coherence</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>frequency (Hz)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>level A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>level B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{hertz} Hz · coherence {value} · A {a} dB · B {b} dB</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>ColumnMappingTable</name>
     <message>
         <source>Column</source>
@@ -667,6 +736,49 @@
     <message>
         <source>orientation method</source>
         <translation>yönelim yöntemi</translation>
+    </message>
+</context>
+<context>
+    <name>CorrelationPlot</name>
+    <message>
+        <source>Choose the recordings of sensor A and sensor B, and say what pipe lies between them.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Click a peak to choose it. Wheel zooms, drag moves, F shows all.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Correlation along the pipe</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>chance (99 %)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>correlation</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>delay of B (ms)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>envelope</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>metres from sensor A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>taken out</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{metres} m from A · {delay} ms · correlation {value}</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1242,6 +1354,33 @@
     </message>
 </context>
 <context>
+    <name>PartsPlot</name>
+    <message>
+        <source>Delay in each part of the recording</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Here stands whether the sound is there all the time.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>delay (ms)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>heard</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>not heard</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>seconds of the recording</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>PathView</name>
     <message>
         <source>N</source>
@@ -1266,6 +1405,25 @@
     <message>
         <source>retrieval</source>
         <translation>çıkarma</translation>
+    </message>
+</context>
+<context>
+    <name>PhasePlot</name>
+    <message>
+        <source>Phase beside the fitted line</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Too few frequencies agree for a fit of the phase.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>frequency (Hz)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>phase left (°)</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1599,6 +1757,10 @@
 <context>
     <name>ReviewPage</name>
     <message>
+        <source>Clocks</source>
+        <translation>Saatler</translation>
+    </message>
+    <message>
         <source>E {east}  N {north} m</source>
         <translation>D {east}  K {north} m</translation>
     </message>
@@ -1835,7 +1997,7 @@
     </message>
 </context>
 <context>
-    <name>SpectrogramView</name>
+    <name>SoundPicture</name>
     <message>
         <source>Hz</source>
         <translation>Hz</translation>
@@ -1844,9 +2006,24 @@
         <source>No sound</source>
         <translation>Ses yok</translation>
     </message>
+</context>
+<context>
+    <name>SpectrogramView</name>
     <message>
         <source>Spectrogram</source>
         <translation>Spektrogram</translation>
+    </message>
+    <message>
+        <source>leak band</source>
+        <translation>kaçak bandı</translation>
+    </message>
+    <message>
+        <source>{level} dB</source>
+        <translation>{level} dB</translation>
+    </message>
+    <message>
+        <source>{level} dB, {over} dB against beside it</source>
+        <translation>{level} dB, yanına göre {over} dB</translation>
     </message>
 </context>
 <context>

@@ -7,6 +7,8 @@ from scipy import signal
 
 from processing import messages
 from processing.clock import align
+from processing.clock_fit import ClockFit, Line, PairKind, Pairs, doubt_of, wander_s
+from processing.clock_picture import clock_picture
 from processing.settings import ClockSettings, SoundSettings
 from processing.sound.scan import scan
 from processing.sound.source import open_audio
@@ -50,11 +52,11 @@ def aligned(folder, truth, blows, seconds, seed=0, told=NOTHING_TOLD, strangers=
     heard = [(float(truth.to_audio(t)), 0.3 * s / 10) for t, s in blows]
     heard += [(t, 0.2) for t in rng.uniform(20, seconds - 20, strangers)]
     imu = imu_with(felt, seconds, seed)
-    clock, findings = align(imu, sound_with(folder, heard, seconds, seed), told, SETTINGS)
-    for finding in findings:
+    fit = align(imu, sound_with(folder, heard, seconds, seed), told, SETTINGS)
+    for finding in fit.findings:
         for language in messages.LANGUAGES:
             assert messages.finding_sentence(finding, language)
-    return clock, [f.code for f in findings]
+    return fit.clock, [f.code for f in fit.findings]
 
 
 def error_s(clock, truth, seconds):
@@ -104,7 +106,7 @@ def test_an_even_rhythm_is_ambiguous_and_is_rejected(tmp_path):
     felt_only_half = blows[:5]
     imu = imu_with(felt_only_half, 200, 1)
     heard = sound_with(tmp_path, [(t, 0.7) for t, _ in blows[3:]], 200, 1)
-    clock, _ = align(imu, heard, AudioInfo(), SETTINGS)
+    clock = align(imu, heard, AudioInfo(), SETTINGS).clock
     assert clock.basis == "assumed"
 
 
@@ -112,7 +114,7 @@ def test_given_values_win_over_everything(tmp_path):
     told = AudioInfo(start_time_s=4.0, drift_ppm=11.0)
     blows = [(t, 25.0) for t in [*(22.3 + TAPS), *(270.1 + TAPS)]]
     clock, codes = aligned(tmp_path, ClockMap(-3.0, 50.0), blows, 300, 7, told)
-    assert (clock.start_s, clock.drift_ppm, clock.basis, codes) == (4.0, 11.0, "given", [])
+    assert (clock.start_s, clock.drift_ppm, clock.basis, codes) == (4.0, 11.0, "given", ["clock_told_contradicted"])
 
 
 def test_a_given_start_is_kept_and_the_drift_estimated(tmp_path):
@@ -133,7 +135,8 @@ def test_a_given_drift_is_kept_and_the_start_estimated(tmp_path):
 
 
 def test_without_sound_the_clock_is_assumed():
-    clock, findings = align(imu_with([], 30, 0), None, AudioInfo(), SETTINGS)
+    fit = align(imu_with([], 30, 0), None, AudioInfo(), SETTINGS)
+    clock, findings = fit.clock, fit.findings
     assert clock.basis == "assumed"
     assert findings[0].params["sigma_ms"] == pytest.approx(1000)
 
@@ -148,6 +151,90 @@ def test_rows_that_are_not_valid_do_not_count_as_knocks(tmp_path):
     spoilt[holes], valid[holes] = 1e5, False
     imu = ImuSamples(imu.time_s, spoilt, imu.gyr_s_radps, valid)
     heard = sound_with(tmp_path, [(float(truth.to_audio(t)), 0.7) for t, _ in blows], 300, 3)
-    clock, _ = align(imu, heard, AudioInfo(), SETTINGS)
+    clock = align(imu, heard, AudioInfo(), SETTINGS).clock
     assert clock.basis == "knocks"
     assert error_s(clock, truth, 300) < 0.008
+
+
+def test_a_start_that_contradicts_what_both_felt_is_used_and_told(tmp_path):
+    truth = ClockMap(-3.0, 50.0)
+    blows = [(t, 25.0) for t in [*(22.3 + TAPS), *(270.1 + TAPS)]]
+    for told in (AudioInfo(start_time_s=4.0), AudioInfo(start_time_s=4.0, drift_ppm=0.0)):
+        clock, codes = aligned(tmp_path, truth, blows, 300, 7, told)
+        assert clock.start_s == 4.0
+        assert "clock_told_contradicted" in codes
+    clock, codes = aligned(tmp_path, truth, blows, 300, 7, AudioInfo(start_time_s=-3.0))
+    assert "clock_told_contradicted" not in codes
+
+
+def test_the_doubt_of_a_line_is_that_of_least_squares():
+    rng = np.random.default_rng(1)
+    survey = np.sort(rng.uniform(0, 3600, 200))
+    offsets, drifts, stated = [], [], None
+    for _ in range(400):
+        shift = 0.3 + 50e-6 * (survey - 1800) + rng.normal(0, 0.004, 200)
+        drift, offset = np.polyfit(survey - 1800, shift, 1)
+        line = Line(float(offset), float(drift), 1800.0, survey, shift)
+        stated = doubt_of(line, 0.0, 1.0, 0.0)
+        offsets.append(offset + drift * (stated.settled_s - 1800) - 0.3 - 50e-6 * (stated.settled_s - 1800))
+        drifts.append(drift - 50e-6)
+    assert stated.settled_sigma_s == pytest.approx(np.std(offsets), rel=0.15)
+    assert stated.drift_sigma == pytest.approx(np.std(drifts), rel=0.15)
+    assert stated.wander_s == 0.0
+
+
+def test_a_slope_that_a_few_seconds_hardly_tell_is_held_by_what_crystals_do():
+    survey = np.array([20.0, 21, 22, 25, 26, 28])
+    line = Line(0.0, 0.0, 23.0, survey, np.array([1, -1, 1, -1, 1, -1]) * 0.002)
+    assert doubt_of(line, 0.0, 30e-6, 0.001).drift_sigma == pytest.approx(30e-6, rel=0.01)
+
+
+def test_a_clock_that_bends_with_its_temperature_has_its_course_in_its_doubt():
+    rng = np.random.default_rng(2)
+    survey = np.sort(rng.uniform(0, 3600, 300))
+    course = 0.010 * (1.5 * ((survey - 1800) / 1800) ** 2 - 0.5)  # second Legendre: no offset, no slope
+    assert wander_s(survey, rng.normal(0, 0.003, 300), 0.003) == 0.0
+    bent = course + rng.normal(0, 0.003, 300)
+    assert wander_s(survey, bent, float(bent.std())) == pytest.approx(0.010 / np.sqrt(5), rel=0.15)
+
+
+def test_the_doubt_grows_away_from_where_the_clocks_were_related():
+    clock = ClockMap(0.0, 0.0, 0.05, "knocks", drift_sigma_ppm=30.0, settled_s=20.0, settled_sigma_s=0.002)
+    assert clock.sigma_at(20.0) == pytest.approx(0.002)
+    assert clock.sigma_at(1020.0) == pytest.approx(0.030, rel=0.01)
+    assert ClockMap(sigma_s=0.5).sigma_at(np.array([0.0, 1e4])).tolist() == [0.5, 0.5]
+
+
+def test_what_the_picture_shows_is_how_far_each_pair_lies_from_the_map():
+    truth = ClockMap(-2.0, 100.0)
+    survey = np.array([10.0, 500.0, 900.0])
+    late = np.array([0.001, -0.002, 0.0])
+    pairs = Pairs(survey, truth.to_audio(survey) - survey + late)
+    fit = ClockFit(truth, pairs={str(PairKind.BUMPS): pairs})
+    assert fit.residual_s(pairs) == pytest.approx(late, abs=1e-12)
+
+
+def test_the_picture_of_clocks_that_fit_has_one_peak_at_zero_and_shows_the_knocks():
+    rng = np.random.default_rng(3)
+    truth = ClockMap(-2.0, 100.0, 0.002, "bumps", 1.0, 500.0, 0.002)
+    both = np.sort(rng.uniform(0, 1000, 60))
+    felt = np.sort(np.concatenate([both, rng.uniform(0, 1000, 40)]))
+    heard = np.sort(np.concatenate([truth.to_audio(both), rng.uniform(0, 1000, 40)]))
+    pairs = {str(PairKind.BUMPS): Pairs(both, truth.to_audio(both) - both)}
+    picture = clock_picture(ClockFit(truth, (), pairs, felt, heard))
+    peak = int(np.argmax(picture.counts))
+    assert abs(picture.shift_ms[peak]) <= 10.0
+    assert picture.counts[peak] + picture.counts[peak - 1] + picture.counts[peak + 1] >= 60
+    assert np.delete(picture.counts, [peak - 1, peak, peak + 1]).max() <= 4
+    assert picture.residual_ms == pytest.approx(np.zeros(60), abs=1e-9)
+    close = picture.close_ups[0]
+    assert close.end_s - close.start_s <= 30.0
+    assert set(close.both_s) <= set(close.felt_s)
+    assert picture.band_ms.min() == pytest.approx(1.96 * 2.0, rel=0.05)
+
+
+def test_where_nothing_relates_the_clocks_the_picture_is_empty():
+    picture = clock_picture(ClockFit(ClockMap()))
+    assert picture.close_ups == ()
+    assert len(picture.residual_ms) == len(picture.band_ms) == 0
+    assert picture.counts.sum() == 0
