@@ -58,7 +58,7 @@ VERSIONS = {
     "track": 8,
     "scan": 2,
     "clock": 2,
-    "candidates": 1,
+    "candidates": 2,
 }
 
 FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast

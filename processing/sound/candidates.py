@@ -10,8 +10,8 @@ from processing.position.distance import NORMAL_95, places_at, times_at
 from processing.progress import Progress, silent
 from processing.settings import DetectorSettings
 from processing.sound.cells import CELL_M, Cells, Frames, band_log_power, cells_of, frames_of
-from processing.sound.classes import class_of, score_of, standing
 from processing.sound.envelope import find_by_envelope
+from processing.sound.judging import Judging
 from processing.sound.level_along import LevelAlong, level_along
 from processing.sound.loud import find_in_metres_or_loud
 from processing.sound.metres import find_in_metres
@@ -25,6 +25,7 @@ from processing.survey import (
     ClockMap,
     Finding,
     ImuSamples,
+    LeakClass,
     Motion,
     Severity,
     Stretch,
@@ -101,8 +102,10 @@ def find_candidates(
     method, findings = _method(survey.processing.detector, cells, track, settings)
     spots = DETECTORS[method](listening) if frames.counts.any() and (track is None or cells is not None) else []
     progress.update(0.9)
-    placed = [_placed(spot, track if cells is not None else None, clock, listening) for spot in spots]
-    placed = [candidate for candidate in placed if candidate.score >= settings.min_score]
+    judging = Judging.on(listening, track, imu, survey)
+    on_path = track if cells is not None else None
+    placed = [_placed(*judging.of(spot), on_path, clock, listening) for spot in spots]
+    placed = [candidate for candidate in placed if _worth_showing(candidate, settings)]
     placed.sort(key=lambda candidate: -candidate.score)
     candidates = tuple(_numbered(candidate, number) for number, candidate in enumerate(placed, 1))
     band = (float(scan.bands_hz[-1, 0]), float(scan.bands_hz[-1, 1]))
@@ -151,15 +154,19 @@ def _method(
     return "envelope", (Finding("detector_envelope", Severity.INFO, params),)
 
 
-def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listening) -> Candidate:
+def _worth_showing(candidate: Candidate, settings: DetectorSettings) -> bool:
+    """Whether it may be a leak, or sounded like one and is known for something else: then the list says what it is."""
+    return candidate.score >= settings.min_score or candidate.leak_class is not LeakClass.UNKNOWN
+
+
+def _placed(spot: Spot, leak_class: LeakClass, track: Track | None, clock: ClockMap, listening: Listening) -> Candidate:
     """Return the candidate of a spot: its interval holds the path's, the clock's and the sound's own doubt."""
     evidence = {**spot.evidence, "sigma_sound_m": spot.sigma if track is not None else float("nan")}
     nan = float("nan")
     if track is None:
-        leak_class = class_of(spot, evidence)
         return Candidate(
             id=0, time_s=spot.place, chainage_m=nan, chainage_low95_m=nan, chainage_high95_m=nan,
-            position_w_m=_NAN_PLACE, score=score_of(spot, leak_class), level_db=spot.level_db, leak_class=leak_class,
+            position_w_m=_NAN_PLACE, score=spot.score, level_db=spot.level_db, leak_class=leak_class,
             band_hz=spot.band_hz, width_m=nan, evidence=evidence,
         )  # fmt: skip
     reached, left = times_at(track, spot.place)
@@ -170,9 +177,7 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
     sigmas = (float(at.sigma_along_m[0]), clock.sigma_s * speed, spot.sigma)
     half = NORMAL_95 * float(np.sqrt(np.square(sigmas).sum()))
     evidence |= {"sigma_path_m": sigmas[0], "sigma_clock_m": sigmas[1], "speed_mps": speed}
-    evidence |= standing(spot, listening)
     east, north, up = (float(x) for x in at.position_w_m[0])
-    leak_class = class_of(spot, evidence)
     return Candidate(
         id=0,
         time_s=time_s,
@@ -180,7 +185,7 @@ def _placed(spot: Spot, track: Track | None, clock: ClockMap, listening: Listeni
         chainage_low95_m=spot.place - half,
         chainage_high95_m=spot.place + half,
         position_w_m=(east, north, up),
-        score=score_of(spot, leak_class),
+        score=spot.score,
         level_db=spot.level_db,
         leak_class=leak_class,
         band_hz=spot.band_hz,
