@@ -174,7 +174,7 @@ def _placed(spot: Spot, leak_class: LeakClass, track: Track | None, clock: Clock
     at = places_at(track, time_s)
     moving = listening.frames.counts & (np.abs(listening.frames.chainage_m - spot.place) <= 1.0)
     speed = float(np.median(listening.frames.speed_mps[moving])) if moving.any() else 0.0
-    sigmas = (float(at.sigma_along_m[0]), clock.sigma_s * speed, spot.sigma)
+    sigmas = (float(at.sigma_along_m[0]), float(clock.sigma_at(time_s)) * speed, spot.sigma)
     half = NORMAL_95 * float(np.sqrt(np.square(sigmas).sum()))
     evidence |= {"sigma_path_m": sigmas[0], "sigma_clock_m": sigmas[1], "speed_mps": speed}
     east, north, up = (float(x) for x in at.position_w_m[0])
