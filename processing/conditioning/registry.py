@@ -9,6 +9,7 @@ from processing.conditioning.channel import Conditioned
 from processing.conditioning.fir import fir
 from processing.conditioning.kalman import kalman
 from processing.conditioning.multiple_model import multiple_model
+from processing.conditioning.oscillation import by_ekf, by_ukf
 from processing.conditioning.settings import ConditioningSettings
 from processing.errors import ErrorCode, LeaklineError
 from processing.survey import BoolArray, FloatArray
@@ -44,6 +45,8 @@ CONDITIONERS: tuple[Conditioner, ...] = (
     Conditioner("fir_kalman", fir_kalman, "Zengin 2023"),
     Conditioner("adaptive", adaptive, "Mehra 1970"),
     Conditioner("multiple_model", multiple_model, "Magill 1965"),
+    Conditioner("ekf", by_ekf, "Zengin 2023; La Scala, Bitmead 1996"),
+    Conditioner("ukf", by_ukf, "Zengin 2023; Julier, Uhlmann 1995; Särkkä 2008"),
 )
 
 

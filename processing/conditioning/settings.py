@@ -21,3 +21,6 @@ class ConditioningSettings:
     window_s: float = tunable(20.0, "s", 0.1, 3600.0, "adaptive: over so much the innovations are averaged")
     bank_span: float = tunable(100.0, "", 2.0, 1e6, "multiple model: how far the bank reaches either way in wander²")
     dwell_s: float = tunable(30.0, "s", 0.1, 1e5, "multiple model: so long one model holds, on average")
+    swing_periods: float = tunable(
+        10.0, "periods", 1.0, 1e4, "EKF, UKF: over so many an oscillation keeps its size and speed"
+    )

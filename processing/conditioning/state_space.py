@@ -26,6 +26,7 @@ class Model:
     R: FloatArray
     f_jacobian: Function | None = None
     h_jacobian: Function | None = None
+    takes_rows: bool = False  # f and h take points (k, d) too, which spares the UKF its loops
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,13 @@ class StateEstimates:
     innovation: FloatArray  # (n, m)
     innovation_covariance: FloatArray  # (n, m, m)
     log_likelihood: FloatArray  # (n,)
+    # what was expected of each row before it was read, and its covariance with the row before; for the smoother
+    predicted_mean: FloatArray  # (n, d)
+    predicted_covariance: FloatArray  # (n, d, d)
+    step_covariance: FloatArray  # (n, d, d)
 
 
-Predict = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+Predict = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 Expect = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 
 
@@ -60,9 +65,10 @@ def ekf(
     if f_jacobian is None or h_jacobian is None:
         raise ValueError("the EKF needs both Jacobians; the UKF does without")
 
-    def predict(x: FloatArray, P: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def predict(x: FloatArray, P: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         F = f_jacobian(x)
-        return model.f(x), F @ P @ F.T + model.Q
+        step = P @ F.T
+        return model.f(x), F @ step + model.Q, step
 
     def expect(x: FloatArray, P: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         H = h_jacobian(x)
@@ -88,24 +94,44 @@ def ukf(
     weights = np.full(2 * dimension + 1, 0.5 / (dimension + kappa))
     weights[0] = kappa / (dimension + kappa)
 
+    def each(function: Function, drawn: FloatArray) -> FloatArray:
+        return function(drawn) if model.takes_rows else np.array([function(point) for point in drawn])
+
     def points(x: FloatArray, P: FloatArray) -> FloatArray:
         root = np.linalg.cholesky((dimension + kappa) * P).T
         return np.vstack([x, x + root, x - root])
 
-    def predict(x: FloatArray, P: FloatArray) -> tuple[FloatArray, FloatArray]:
-        moved = np.array([model.f(point) for point in points(x, P)])
+    def predict(x: FloatArray, P: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        drawn = points(x, P)
+        moved = each(model.f, drawn)
         middle = weights @ moved
         off = moved - middle
-        return middle, (off.T * weights) @ off + model.Q
+        return middle, (off.T * weights) @ off + model.Q, ((drawn - x).T * weights) @ off
 
     def expect(x: FloatArray, P: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         drawn = points(x, P)
-        seen = np.array([model.h(point) for point in drawn])
+        seen = each(model.h, drawn)
         middle = weights @ seen
         off = seen - middle
         return middle, (off.T * weights) @ off + model.R, ((drawn - x).T * weights) @ off
 
     return _run(predict, expect, readings, mean, covariance, valid)
+
+
+def smoothed(estimates: StateEstimates) -> tuple[FloatArray, FloatArray]:
+    """Return means (n, d) and covariances (n, d, d) given the whole record, for either filter.
+
+    Backwards as H. E. Rauch, F. Tung, C. T. Striebel (1965), with the filter's own covariance of one row and the next:
+    for the unscented filter that is S. Särkkä's smoother (2008).
+    """
+    mean, covariance = estimates.mean.copy(), estimates.covariance.copy()
+    for k in range(len(mean) - 2, -1, -1):
+        predicted = estimates.predicted_covariance[k + 1]
+        back = np.linalg.solve(predicted, estimates.step_covariance[k + 1].T).T
+        mean[k] += back @ (mean[k + 1] - estimates.predicted_mean[k + 1])
+        changed = covariance[k] + back @ (covariance[k + 1] - predicted) @ back.T
+        covariance[k] = 0.5 * (changed + changed.T)
+    return mean, covariance
 
 
 def _run(
@@ -123,11 +149,19 @@ def _run(
         trusted &= valid
     (rows, m), d = z.shape, len(mean)
     out = StateEstimates(
-        np.empty((rows, d)), np.empty((rows, d, d)), np.zeros((rows, m)), np.empty((rows, m, m)), np.zeros(rows)
+        np.empty((rows, d)),
+        np.empty((rows, d, d)),
+        np.zeros((rows, m)),
+        np.empty((rows, m, m)),
+        np.zeros(rows),
+        np.empty((rows, d)),
+        np.empty((rows, d, d)),
+        np.empty((rows, d, d)),
     )
     x, P = np.asarray(mean, dtype=np.float64), np.asarray(covariance, dtype=np.float64)
     for k in range(rows):
-        x, P = predict(x, P)
+        x, P, out.step_covariance[k] = predict(x, P)
+        out.predicted_mean[k], out.predicted_covariance[k] = x, P
         expected, S, cross = expect(x, P)
         out.innovation_covariance[k] = S
         if trusted[k]:

@@ -15,7 +15,7 @@ from processing.conditioning.registry import CONDITIONERS, condition
 from processing.conditioning.settings import ConditioningSettings
 from processing.errors import ErrorCode, LeaklineError
 
-NAMES = [row.name for row in CONDITIONERS]
+NAMES = [row.name for row in CONDITIONERS if row.name not in ("ekf", "ukf")]  # these have tests of their own
 READING_KG = float(np.hypot(0.3, 0.24 / np.sqrt(2.0)))  # noise and vibration of `weighing`
 
 
@@ -38,6 +38,55 @@ def test_p2s_order_of_errors_is_reproduced_with_p2s_own_gain():
     assert 3.0 < kalman < 4.5
     assert kalman_fir < kalman
     assert fir_kalman < 0.5 * kalman_fir
+
+
+def test_the_log_that_p2_prints_was_made_with_a_gain_of_a_quarter():
+    """P2 fig. 4.3: readings and estimates of the serial port, to 0.1; the gain there is 0.27, not table 4's 0.1."""
+    readings_kg, printed = [4.0, 7.0, 13.0, 17.0, 22.0, 26.0], [4.7, 5.3, 7.4, 10.0, 13.2, 16.7]
+    gain, x = 0.27, 4.9
+    noise = Noise(gain**2 / (1.0 - gain), 1.0)
+    assert noise.gain == pytest.approx(gain)
+    for value, expected in zip(readings_kg, printed, strict=True):
+        x += noise.gain * (value - x)
+        assert x == pytest.approx(expected, abs=0.06)
+
+
+def test_p2s_order_and_its_kalman_error_are_reproduced_with_the_gain_of_its_log():
+    """Assumed: white noise of 6.4 %, which makes P2's 3.35 % of the Kalman filter; the cut-off and the weights.
+
+    The order comes out, the distance does not: 0.802 and 0.134 % need plateaus without steps, or another "error".
+    """
+    gain, noise_kg = 0.27, 0.064 * 12.0
+    reading_kg = float(np.hypot(noise_kg, 0.24 / np.sqrt(2.0)))
+    wander = reading_kg * gain / np.sqrt(1.0 - gain) * np.sqrt(10.0)
+    settings = ConditioningSettings(reading_kg, wander, phase="causal", cutoff_hz=0.3, transition_hz=0.3)
+
+    def error(name):
+        runs = [weighing(seed, noise_kg) for seed in range(10)]
+        outs = [(true, condition(name, values, 10.0, settings).values) for true, values in runs]
+        return float(np.mean([100.0 * np.mean(np.abs(out - true) / true) for true, out in outs]))
+
+    kalman, kalman_fir, fir_kalman = (error(name) for name in ("kalman", "kalman_fir", "fir_kalman"))
+    assert kalman == pytest.approx(3.35, abs=0.25)
+    assert fir_kalman < 0.85 * kalman_fir < 0.85 * 0.85 * kalman
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_smoothed_backwards_no_filter_is_worse_than_live(name):
+    """Weighings, a wander, and a bump: the offline reference is never worse, whichever filter."""
+    row = np.arange(1000)
+    bump = 12.0 + 3.0 * np.exp(-0.5 * ((row - 500) / 25.0) ** 2)
+    signals = [weighing(seed) for seed in range(6)]
+    signals += [random_walk(1000, 0.05, 1.0, seed) for seed in range(6)]
+    signals += [(bump, bump + 0.3 * np.random.default_rng(seed).standard_normal(1000)) for seed in range(6)]
+    errors = []
+    for phase in ("zero", "causal"):
+        settings = ConditioningSettings(phase=phase, cutoff_hz=0.5, transition_hz=0.5)
+        outs = [(true, condition(name, values, 10.0, settings).values) for true, values in signals]
+        errors.append([float(np.sqrt(np.mean((out - true) ** 2))) for true, out in outs])
+    zero, causal = (np.array(each).reshape(3, 6).mean(axis=1) for each in errors)
+    assert (zero <= 1.001 * causal).all()
+    assert zero.mean() < causal.mean() or name == "fir"  # the FIR has no lag to lose
 
 
 def test_p2s_order_of_errors_is_reproduced_with_the_likeliest_gain():

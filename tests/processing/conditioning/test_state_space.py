@@ -8,7 +8,7 @@ from scipy.stats import chi2
 from processing.conditioning.channel import readings
 from processing.conditioning.kalman import run
 from processing.conditioning.noise import Noise
-from processing.conditioning.state_space import Model, ekf, ukf
+from processing.conditioning.state_space import Model, ekf, smoothed, ukf
 
 F, H = np.array([[1.0, 0.1], [-0.2, 0.95]]), np.array([[1.0, 0.0], [0.5, 1.0], [0.0, 2.0]])
 LINEAR = Model(
@@ -109,3 +109,41 @@ def test_an_ekf_without_jacobians_is_refused():
     one = np.eye(1)
     with pytest.raises(ValueError, match="Jacobians"):
         ekf(Model(lambda x: x, lambda x: x, one, one), np.zeros(3), np.zeros(1), one)
+
+
+@pytest.mark.parametrize("function", [ekf, ukf])
+def test_the_smoother_of_a_random_walk_is_the_channels_own(function):
+    _, values = random_walk(150, 0.1, 1.0, seed=3)
+    values[60:80] = np.nan
+    expected, expected_variance = run(readings(values, 10.0), Noise(0.1, 1.0), zero_phase=True)
+    one = np.eye(1)
+    model = Model(lambda x: x, lambda x: x, 0.1 * one, one, lambda _: one, lambda _: one, takes_rows=True)
+    mean, covariance = smoothed(function(model, values[1:], values[:1], one))
+    np.testing.assert_allclose(mean[:, 0], expected[1:], atol=1e-9)
+    np.testing.assert_allclose(covariance[:, 0, 0], expected_variance[1:], rtol=1e-9)
+
+
+@pytest.mark.parametrize("function", [ekf, ukf])
+def test_the_smoother_of_two_states_solves_the_whole_record_at_once(function):
+    rng, rows = np.random.default_rng(4), 12
+    z = rng.standard_normal((rows, 3))
+    mean, covariance = smoothed(function(LINEAR, z, np.ones(2), np.eye(2)))
+    # all states as one vector: start, steps and readings are its normal equations
+    size = 2 * rows
+    information, right = np.zeros((size, size)), np.zeros(size)
+    first = np.linalg.inv(F @ F.T + LINEAR.Q)
+    information[:2, :2] += first
+    right[:2] += first @ F @ np.ones(2)
+    weight, step = np.linalg.inv(LINEAR.R), np.linalg.inv(LINEAR.Q)
+    for k in range(rows):
+        at = slice(2 * k, 2 * k + 2)
+        information[at, at] += H.T @ weight @ H
+        right[at] += H.T @ weight @ z[k]
+        if k:
+            back = slice(2 * k - 2, 2 * k)
+            information[at, at] += step
+            information[back, back] += F.T @ step @ F
+            information[at, back] -= step @ F
+            information[back, at] -= F.T @ step
+    np.testing.assert_allclose(mean.ravel(), np.linalg.solve(information, right), atol=1e-9)
+    np.testing.assert_allclose(covariance[5], np.linalg.inv(information)[10:12, 10:12], atol=1e-9)
