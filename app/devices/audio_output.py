@@ -41,36 +41,40 @@ class Sink(Protocol):
 
 
 class _PortAudioSink:
-    def __init__(self, stream: Any) -> None:  # noqa: ANN401  # sounddevice has no types
-        self._stream = stream
+    def __init__(self, stream: Any, channels: int) -> None:  # noqa: ANN401  # sounddevice has no types
+        self._stream, self._channels = stream, channels
         self.latency_s = float(stream.latency)
 
     def write(self, block: FloatBlock) -> None:
         try:
-            self._stream.write(block.reshape(-1, 1))
+            self._stream.write(block.reshape(-1, self._channels))
         except Exception as error:  # PortAudioError derives from Exception directly
             raise OSError(str(error)) from error
 
     def drain(self) -> None:
         # not by stop(): behind ALSA's plugins it drops what they hold. Silence pushes the last samples through instead
-        self.write(np.zeros(int((2.0 * self.latency_s + 0.1) * self._stream.samplerate), np.float32))
+        frames = int((2.0 * self.latency_s + 0.1) * self._stream.samplerate)
+        self.write(np.zeros(frames * self._channels, np.float32))
 
     def close(self) -> None:
         self._stream.abort()
         self._stream.close()
 
 
-def open_sink(sample_rate_hz: float) -> Sink:
-    """Open the default output, mono; raises SoundUnavailableError with a reason in the system's words."""
+def open_sink(sample_rate_hz: float, channels: int = 1) -> Sink:
+    """Open the default output; raises SoundUnavailableError with a reason in the system's words.
+
+    With more than one channel, blocks hold the samples of all channels in turn.
+    """
     sounddevice = _library()
     try:
         stream = sounddevice.OutputStream(
-            samplerate=sample_rate_hz, channels=1, dtype="float32", latency=LATENCY_S, blocksize=0
+            samplerate=sample_rate_hz, channels=channels, dtype="float32", latency=LATENCY_S, blocksize=0
         )
         stream.start()
     except Exception as error:
         raise SoundUnavailableError(str(error)) from error
-    return _PortAudioSink(stream)
+    return _PortAudioSink(stream, channels)
 
 
 def why_silent() -> str | None:
