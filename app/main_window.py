@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 
 from app import actions, appearance, enabling
 from app.actions import ACTIONS, PAGE_TITLES, Page
+from app.cleaning_control import CleaningControl
 from app.clock_control import ClockControl
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
@@ -83,6 +84,7 @@ class MainWindow(QMainWindow):
             self._session, services.jobs, self._preferences, self.data_page, lambda: self.boxes, self
         )
         self.path = PathControls(self._session, services.jobs, self.review_page, language, self)
+        self.cleaning = CleaningControl(self._session, services.jobs, self.review_page, self.player, language, self)
         self.clock = ClockControl(self._session, self.review_page.tools, self.review_page.clock, language, self)
         self.route = RouteControl(
             self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
@@ -329,6 +331,7 @@ class MainWindow(QMainWindow):
         """Qt: put what is still being typed on disk; everything else is there already."""
         self.review_page.decision.flush()
         self.player.stop()
+        self.cleaning.stop()
         self.notices.stop()
         self._memory.save()
         super().closeEvent(event)

@@ -1,4 +1,4 @@
-"""Listening: plays the survey's sound from the cursor, lets the cursor follow, loops a candidate with its lead-in."""
+"""Listening: plays the sound from the cursor, lets the cursor follow, loops a candidate, cleaned, in a band, slowed."""
 
 import logging
 from collections.abc import Callable
@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from app.devices.audio_output import FloatBlock, Playback, ReadFrames, Sink, SoundUnavailableError, Stretch, open_sink
+from app.devices.audio_output import Playback, Sink, SoundUnavailableError, Stretch, open_sink
+from app.devices.slow_sound import SlowSound
+from app.listening import Band, Hearing, Listening, Loudness
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.survey import AudioSource, Candidate
@@ -16,6 +18,7 @@ from widgets.playback_bar import PlaybackBar
 
 if TYPE_CHECKING:
     from processing.results import Results
+    from processing.sound.cleaning import CleaningContext
 
 log = logging.getLogger(__name__)
 
@@ -23,6 +26,8 @@ FOLLOW_MS = 33
 LEAD_IN_S = 2.0
 TAIL_S = 1.0
 LONGEST_LOOP_S = 20.0
+BANDS = ("whole", "leaks", "candidate")
+SLOWNESSES = (1, 2, 4)
 MUTE_DB, SPAN_DB = -40.0, 60.0  # the volume's range: a hydrophone is often quiet, so it reaches +20 dB
 
 
@@ -46,31 +51,6 @@ def loop_span(candidate: Candidate, speed_mps: float) -> LoopSpan:
     return LoopSpan(candidate.time_s - half_s - LEAD_IN_S, candidate.time_s + half_s + TAIL_S)
 
 
-class BandFilter:
-    """Wraps a reader so that only one band is heard; causal, and continuous from block to block."""
-
-    def __init__(self, read: ReadFrames, sample_rate_hz: float, band_hz: tuple[float, float]) -> None:
-        from scipy import signal  # slow to import: only who listens to a band pays for it
-
-        nyquist = sample_rate_hz / 2.0
-        high = min(band_hz[1], 0.98 * nyquist)
-        low = min(max(band_hz[0], 1.0), 0.5 * high)  # a recording too slow for the band: the top of what there is
-        self._sections = signal.butter(4, [low, high], "bandpass", fs=sample_rate_hz, output="sos")
-        self._filter = signal.sosfilt
-        self._state = np.zeros((self._sections.shape[0], 2))
-        self._read = read
-        self._next = -1
-
-    def __call__(self, start: int, count: int) -> FloatBlock:
-        """Return the filtered samples; a jump starts the filter anew."""
-        block = self._read(start, count)
-        if start != self._next:
-            self._state = np.zeros_like(self._state)
-        self._next = start + block.size
-        filtered, self._state = self._filter(self._sections, block, zi=self._state)
-        return np.asarray(filtered, dtype=np.float32)
-
-
 class Player(QObject):
     """The buttons' brain. ``make_sink`` opens the sound card; tests give it one that only counts."""
 
@@ -87,21 +67,27 @@ class Player(QObject):
         super().__init__(parent)
         self._session, self._bar, self._preferences, self._make_sink = session, bar, preferences, make_sink
         self._playback: Playback | None = None
-        self._close_reader: Callable[[], None] = lambda: None
-        self._looping = False
+        self._listening: Listening | None = None
+        self._slow: SlowSound | None = None
+        self._loudness: Loudness | None = None
+        self._context: CleaningContext | None = None
+        self._looping: LoopSpan | None = None
         self._following = False
         self._hint, self._reason = "", ""
         self._timer = QTimer(self)
         self._timer.setInterval(FOLLOW_MS)
         self._timer.timeout.connect(self._follow)
         bar.set_volume(preferences.values.volume)
-        bar.set_band_only(on=preferences.values.play_band_only)
+        bar.set_band(self._band_name)
+        bar.set_slow(self._slowness)
         bar.play_asked.connect(self.toggle)
         bar.loop_asked.connect(self.toggle_loop)
         bar.volume_changed.connect(lambda volume: preferences.change(volume=volume))
-        bar.band_changed.connect(self._on_band)
+        bar.band_chosen.connect(self.choose_band)
+        bar.slow_chosen.connect(self.choose_slow)
         session.cursor.moved.connect(self._on_cursor)
         session.results_changed.connect(self._on_results)
+        session.selection_changed.connect(self._apply)
         session.opened.connect(self.stop)
         self._show()
 
@@ -112,8 +98,18 @@ class Player(QObject):
 
     @property
     def looping(self) -> bool:
-        """Whether a candidate is being played again and again."""
-        return self._looping
+        """Whether a candidate or a span is being played again and again."""
+        return self._looping is not None
+
+    @property
+    def hearing(self) -> Hearing:
+        """How it is listened to."""
+        return Hearing(self._context is not None, self._band_hz(), self._slowness)
+
+    def set_cleaning(self, context: "CleaningContext | None") -> None:
+        """Listen to the cleaned sound, or with None to the raw one; what plays goes on from where it is."""
+        self._context = context
+        self._apply()
 
     def set_unavailable(self, reason: str) -> None:
         """Switch listening off with a hint; an empty reason switches it on."""
@@ -130,32 +126,69 @@ class Player(QObject):
 
     def toggle_loop(self) -> None:
         """Play the selected candidate in a loop, or stop that."""
-        if self._looping:
+        if self.looping:
             self.stop()
         else:
             self.loop_selected()
+
+    def toggle_selection_loop(self) -> None:
+        """Play what is selected in time in a loop, the candidate where nothing is; or stop that."""
+        selection_s = self._session.cursor.selection_s
+        if self.looping or selection_s is None:
+            self.toggle_loop()
+        else:
+            self.loop_between(LoopSpan(*selection_s))
 
     def loop_selected(self) -> None:
         """Play the selected candidate in a loop."""
         row = self._session.row(self._session.selected)
         results = self._session.results
-        if row is None or results is None:
+        if row is not None and results is not None:
+            self.loop_between(loop_span(row.candidate, speed_at(results, row.candidate.time_s)))
+
+    def loop_between(self, span: LoopSpan) -> None:
+        """Play a span of survey time in a loop."""
+        results = self._session.results
+        audio = results.recording.audio if results is not None else None
+        if results is None or audio is None:
             return
-        span = loop_span(row.candidate, speed_at(results, row.candidate.time_s))
-        audio = results.recording.audio
-        if audio is not None:
-            first = self._frame(results, audio, span.start_s)
-            last = min(max(self._frame(results, audio, span.end_s), first + 1), audio.frames)
-            self._start(results, audio, Stretch(first, last, loop=True, loop_start=first))
+        first = self._frame(results, audio, span.start_s)
+        last = min(max(self._frame(results, audio, span.end_s), first + 1), audio.frames)
+        self._start(audio, Stretch(first, last, loop=True, loop_start=first))
+        if self.playing:
+            self._looping = span
+            self._show()
+
+    def choose_band(self, name: str) -> None:
+        """Hear the ``whole`` sound, the band of ``leaks``, or that of the selected ``candidate``."""
+        self._preferences.change(play_band=name)
+        self._bar.set_band(self._band_name)
+        self._apply()
+
+    def next_band(self) -> None:
+        """Go to the next choice of band."""
+        self.choose_band(BANDS[(BANDS.index(self._band_name) + 1) % len(BANDS)])
+
+    def choose_slow(self, times: int) -> None:
+        """Let the sound last so many times as long, at the same pitch."""
+        self._preferences.change(play_slow=times)
+        self._bar.set_slow(self._slowness)
+        self._apply()
+
+    def next_slow(self) -> None:
+        """Go to the next slowness."""
+        self.choose_slow(SLOWNESSES[(SLOWNESSES.index(self._slowness) + 1) % len(SLOWNESSES)])
 
     def stop(self) -> None:
         """Be silent."""
         self._timer.stop()
         playback, self._playback = self._playback, None
-        self._looping = False
+        self._looping = None
+        listening, self._listening, self._slow = self._listening, None, None
         if playback is not None:
             playback.stop()
-            self._close_reader()
+        if listening is not None:
+            listening.close()
         self._show()
 
     def _play_from_cursor(self) -> None:
@@ -166,32 +199,29 @@ class Player(QObject):
         first = self._frame(results, audio, self._session.cursor.time_s)
         if first >= audio.frames - 1:
             first = 0
-        self._start(results, audio, Stretch(first, audio.frames))
+        self._start(audio, Stretch(first, audio.frames))
 
     def _frame(self, results: "Results", audio: AudioSource, survey_s: float) -> int:
         frame = round(float(results.clock.to_audio(survey_s)) * audio.sample_rate_hz)
         return min(max(frame, 0), audio.frames)
 
-    def _start(self, results: "Results", audio: AudioSource, stretch: Stretch) -> None:
+    def _start(self, audio: AudioSource, stretch: Stretch) -> None:
         self.stop()
         if self._hint:
             return
-        from processing.sound.source import AudioReader
-
         try:
             sink = self._make_sink(audio.sample_rate_hz)
         except SoundUnavailableError as error:
             self.set_unavailable(str(error))
             return
-        reader = AudioReader(audio)
-        self._close_reader = reader.close
-        read: ReadFrames = reader.read
-        if self._preferences.values.play_band_only:
-            sound = results.settings.sound
-            read = BandFilter(read, audio.sample_rate_hz, (sound.band_low_hz, sound.band_high_hz))
+        rate_hz = audio.sample_rate_hz
+        if self._loudness is None:
+            self._loudness = Loudness(rate_hz, audio.frames)
+        self._listening = Listening(audio, self.hearing, self._context, self._loudness)
+        self._slow = SlowSound(self._listening, rate_hz)
+        self._slow.factor = self._slowness
         values = self._preferences
-        self._playback = Playback(sink, read, audio.sample_rate_hz, stretch, lambda: gain_of(values.values.volume))
-        self._looping = stretch.loop
+        self._playback = Playback(sink, self._slow, rate_hz, stretch, lambda: gain_of(values.values.volume))
         self._playback.start()
         self._timer.start()
         self._show()
@@ -213,26 +243,51 @@ class Player(QObject):
             elif error is not None:
                 self.failed.emit(error)  # the recording cannot be read here
 
-    def _on_cursor(self, _time_s: float) -> None:
-        if self.playing and not self._following:
-            if self._looping:
-                self.stop()
-            else:
-                self._play_from_cursor()
+    def _on_cursor(self, time_s: float) -> None:
+        playback, results = self._playback, self._session.results
+        audio = results.recording.audio if results is not None else None
+        if playback is None or results is None or audio is None or self._following:
+            return
+        if self.looping:
+            self.stop()
+        else:
+            playback.seek(self._frame(results, audio, time_s))  # opening the card anew would take its time
 
     @property
     def moves_cursor(self) -> bool:
         """Whether the cursor is being moved by the playback at this moment, not by the operator."""
         return self._following
 
-    def _on_band(self, on: bool) -> None:
-        self._preferences.change(play_band_only=on)
-        if self.playing and not self._looping:
-            self._play_from_cursor()
-        elif self.playing:
-            self.loop_selected()
+    @property
+    def _band_name(self) -> str:
+        name = self._preferences.values.play_band
+        return name if name in BANDS else BANDS[0]
+
+    @property
+    def _slowness(self) -> int:
+        times = self._preferences.values.play_slow
+        return times if times in SLOWNESSES else SLOWNESSES[0]
+
+    def _band_hz(self) -> Band | None:
+        """Return the band that is heard; the candidate's is that of leaks where none is selected."""
+        results = self._session.results
+        if self._band_name == "whole" or results is None:
+            return None
+        row = self._session.row(self._session.selected)
+        if self._band_name == "candidate" and row is not None:
+            return row.candidate.band_hz
+        return results.settings.sound.band_low_hz, results.settings.sound.band_high_hz
+
+    def _apply(self) -> None:
+        """Let what plays go on as it is now to be heard."""
+        if self._listening is not None and self._slow is not None:
+            # the context first: the playback's thread may look between the two
+            self._listening.context = self._context or self._listening.context
+            self._listening.hearing = self.hearing
+            self._slow.factor = self._slowness
 
     def _on_results(self) -> None:
+        self._loudness = self._context = None
         self.stop()
 
     def _show(self) -> None:
@@ -241,7 +296,7 @@ class Player(QObject):
         if not hint and (results is None or results.recording.audio is None):
             hint = self.tr("This survey has no sound.") if results is not None else " "
         self._bar.set_available(hint, self._reason)
-        self._bar.set_playing(playing=self.playing and not self._looping, looping=self._looping)
+        self._bar.set_playing(playing=self.playing and not self.looping, looping=self.looping)
 
 
 def speed_at(results: "Results", time_s: float) -> float:

@@ -28,7 +28,8 @@ class Preferences:
     splitters: dict[str, str] = field(default_factory=dict)  # name -> base64 of QSplitter.saveState
     recent: list[str] = field(default_factory=list)  # newest first
     volume: float = 0.8
-    play_band_only: bool = False
+    play_band: str = "whole"  # or leaks, candidate
+    play_slow: int = 1  # times as long
     recent_crs: list[str] = field(default_factory=list)  # EPSG codes chosen for routes, newest first
 
 

@@ -1,7 +1,9 @@
-"""Buttons for listening: play, loop the candidate, volume; or a hint why this machine cannot play."""
+"""Buttons for listening: play, loop, raw or cleaned, band, slow, volume; or a hint why this machine cannot play."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QSlider, QStyle, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QSlider, QStyle, QWidget
+
+from widgets.quiet_combo import QuietCombo
 
 
 class PlaybackBar(QWidget):
@@ -10,7 +12,9 @@ class PlaybackBar(QWidget):
     play_asked = Signal()
     loop_asked = Signal()
     volume_changed = Signal(float)  # 0..1
-    band_changed = Signal(bool)  # hear only the leak band
+    cleaned_asked = Signal()  # the other of raw and cleaned
+    band_chosen = Signal(str)  # whole, leaks, candidate
+    slow_chosen = Signal(int)  # times as long
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -27,19 +31,33 @@ class PlaybackBar(QWidget):
         self._volume.setAccessibleName(self.tr("Volume"))
         self._volume.setToolTip(self.tr("Volume"))
         self._volume.valueChanged.connect(lambda value: self.volume_changed.emit(value / 100))
-        self._band = QCheckBox(self.tr("Leak band only"))
-        self._band.setMinimumHeight(40)
-        self._band.setToolTip(self.tr("Hear only the band in which leaks are looked for"))
-        self._band.toggled.connect(self.band_changed)
+        self._cleaned = self._button("cleaned", "")
+        self._cleaned.setCheckable(True)
+        self._cleaned.setText(self.tr("Cleaned"))
+        self._cleaned.clicked.connect(self._on_cleaned)
+        self._band = self._choice("band", self.tr("What is heard (B)"))
+        for name, text in (
+            ("whole", self.tr("All of it")),
+            ("leaks", self.tr("Leak band")),
+            ("candidate", self.tr("Candidate's band")),
+        ):
+            self._band.addItem(text, name)
+        self._band.activated.connect(lambda _row: self.band_chosen.emit(str(self._band.currentData())))
+        self._slow = self._choice("slow", self.tr("How fast it is heard, at the same pitch (S)"))
+        for times, text in ((1, "1×"), (2, "½×"), (4, "¼×")):
+            self._slow.addItem(text, times)
+        self._slow.activated.connect(lambda _row: self.slow_chosen.emit(int(self._slow.currentData())))
+        self._unavailable = ""
         self._hint = QLabel()
         self._hint.setObjectName("playback_hint")
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        for widget in (self._play, self._loop, self._band, self._volume):
+        for widget in (self._play, self._loop, self._cleaned, self._band, self._slow, self._volume):
             layout.addWidget(widget)
         layout.addWidget(self._hint, 1)
         self.set_playing(playing=False, looping=False)
+        self.set_cleaned(on=False)
 
     def _button(self, name: str, tip: str) -> QPushButton:
         button = QPushButton()
@@ -49,12 +67,28 @@ class PlaybackBar(QWidget):
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its key is Space, everywhere on the page
         return button
 
+    def _choice(self, name: str, tip: str) -> QuietCombo:
+        combo = QuietCombo()
+        combo.setObjectName(name)
+        combo.setToolTip(tip)
+        combo.setAccessibleName(tip)
+        combo.setMinimumHeight(40)
+        combo.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        return combo
+
     def set_available(self, hint: str, reason: str = "") -> None:
         """Switch everything on, or off with ``hint`` saying why; ``reason`` is the long story, as a tool tip."""
-        for widget in (self._play, self._loop, self._volume, self._band):
+        for widget in (self._play, self._loop, self._volume, self._band, self._slow):
             widget.setEnabled(not hint)
+        self._unavailable = hint
         self._hint.setText(hint)
         self._hint.setToolTip(reason)
+
+    def set_note(self, note: str) -> None:
+        """Say something about what is heard, where there is no more important hint."""
+        if not self._unavailable.strip():
+            self._hint.setText(note)
+            self._hint.setToolTip(note)
 
     def set_playing(self, *, playing: bool, looping: bool) -> None:
         """Show what is going on."""
@@ -69,12 +103,25 @@ class PlaybackBar(QWidget):
         self._volume.setValue(round(100 * volume))
         self._volume.blockSignals(False)
 
-    def set_band_only(self, *, on: bool) -> None:
-        """Show the band choice without a signal."""
-        self._band.blockSignals(True)
-        self._band.setChecked(on)
-        self._band.blockSignals(False)
+    def set_band(self, name: str) -> None:
+        """Show the choice of band without a signal."""
+        self._band.setCurrentIndex(max(0, self._band.findData(name)))
+
+    def set_slow(self, times: int) -> None:
+        """Show the slowness without a signal."""
+        self._slow.setCurrentIndex(max(0, self._slow.findData(times)))
+
+    def set_cleaned(self, *, on: bool, reason: str = "") -> None:
+        """Show whether the sound is cleaned; a ``reason`` why it cannot be switches the button off."""
+        self._cleaned.setChecked(on)
+        self._cleaned.setEnabled(not reason)
+        usual = self.tr("Raw sound, or without the noise of the ball's own rolling, in sound and picture (A)")
+        self._cleaned.setToolTip(reason or usual)
 
     def _on_loop(self) -> None:
         self._loop.setChecked(not self._loop.isChecked())  # set_playing says what is true
         self.loop_asked.emit()
+
+    def _on_cleaned(self) -> None:
+        self._cleaned.setChecked(not self._cleaned.isChecked())  # set_cleaned says what is true
+        self.cleaned_asked.emit()

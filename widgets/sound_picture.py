@@ -83,6 +83,14 @@ class SoundPicture(LinkedPlot):
             self._level_bar = replace(self._level_bar, scale=Scale(source.low_db, top), low_db=low, high_db=high)
         self.invalidate()
 
+    def reload(self) -> None:
+        """Read again what is shown: the source tells something else now. Until then the old picture stays."""
+        if self._picture is not None:
+            # no key that is ever wanted: good for the meantime only
+            self._picture = replace(self._picture, key=replace(self._picture.key, rows=0))
+        self._asked = self._overview_asked = None
+        self.invalidate()
+
     def set_color_map(self, name: str) -> None:
         """Use another colour table for levels: one of :data:`widgets.color_maps.COLOR_MAPS`."""
         if name in COLOR_MAPS and name != self._level_bar.color_map:

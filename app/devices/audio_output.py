@@ -21,6 +21,15 @@ FloatBlock = npt.NDArray[np.float32]
 ReadFrames = Callable[[int, int], FloatBlock]  # start frame, count -> up to count samples
 
 
+class Slowable(Protocol):
+    """Reads sound that may last longer than it did: ``factor`` samples for each frame."""
+
+    factor: int
+
+    def __call__(self, start: int, count: int) -> FloatBlock:
+        """Return ``factor · count`` samples for the frames from ``start`` on, fewer at the end."""
+
+
 class SoundUnavailableError(Exception):
     """There is no sound card, or not the library that speaks to it; the text says which."""
 
@@ -113,15 +122,18 @@ class Playback:
     def __init__(
         self,
         sink: Sink,
-        read: ReadFrames,
+        read: ReadFrames | Slowable,
         sample_rate_hz: float,
         stretch: Stretch,
         gain: Callable[[], float] = lambda: 1.0,
     ) -> None:
         self._sink, self._read, self._rate_hz, self._stretch, self._gain = sink, read, sample_rate_hz, stretch, gain
+        self._slow = 1  # samples that the last frames became
         self._stop = threading.Event()
         self._lock = threading.Lock()
         self._written = stretch.start  # next frame that goes to the sink
+        self._first = stretch.loop_start if stretch.loop else stretch.start  # nothing before it is heard
+        self._jump: int | None = None
         self.error: Exception | None = None
         self._thread = threading.Thread(target=self._run, name="playback", daemon=True)
 
@@ -134,6 +146,12 @@ class Playback:
         self._stop.set()
         self._thread.join(timeout_s)
 
+    def seek(self, frame: int) -> None:
+        """Go on from another frame; what waits in the card is still heard."""
+        with self._lock:
+            self._jump = frame
+            self._first = frame
+
     @property
     def active(self) -> bool:
         """Whether it still plays."""
@@ -143,10 +161,10 @@ class Playback:
     def position(self) -> int:
         """The frame that is heard now: what was written, less what still waits in the card."""
         with self._lock:
-            written = self._written
-        heard = written - int(self._sink.latency_s * self._rate_hz)
-        first = self._stretch.loop_start if self._stretch.loop else self._stretch.start
-        return max(heard, min(first, self._stretch.start))
+            written = self._written if self._jump is None else self._jump
+            first = self._first
+        heard = written - int(self._sink.latency_s * self._rate_hz / self._slow)
+        return max(heard, min(first, self._stretch.start) if self._stretch.loop else first)
 
     def _run(self) -> None:
         try:
@@ -160,16 +178,21 @@ class Playback:
     def _play(self) -> None:
         size = max(1, int(BLOCK_S * self._rate_hz))
         while not self._stop.is_set():
-            at = self._written
+            with self._lock:
+                at = self._written if self._jump is None else self._jump
+                self._jump = None
             if at >= self._stretch.end:
                 if not self._stretch.loop:
                     break
                 at = self._stretch.loop_start
-            block = self._read(at, min(size, self._stretch.end - at))
+            slow = int(getattr(self._read, "factor", 1))
+            count = min(max(1, size // slow), self._stretch.end - at)
+            block = self._read(at, count)
             if block.size == 0:
                 break
             self._sink.write(np.clip(block * np.float32(self._gain()), -1.0, 1.0))
             with self._lock:
-                self._written = at + block.size
+                self._slow = slow
+                self._written = at + min(count, -(-block.size // slow))
         if not self._stop.is_set():
             self._sink.drain()

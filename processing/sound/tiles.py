@@ -6,7 +6,7 @@ which the maximum of noise hides (acoustics §4.3).
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -102,6 +102,13 @@ def _pool_ranges(piece: Bytes, first: npt.NDArray[np.int64], end: npt.NDArray[np
         return highest
     total = np.add.reduceat(TILE_POWER[closed], marks, axis=0)[::2]
     return to_tile((total / (end - first)[:, None]).astype(np.float32))
+
+
+class Reads(Protocol):
+    """Gives samples from anywhere, as :class:`processing.sound.source.AudioReader` does."""
+
+    def read(self, start: int, count: int) -> npt.NDArray[np.float32]:
+        """Return up to ``count`` samples from frame ``start`` on."""
 
 
 @dataclass(frozen=True)
@@ -240,11 +247,14 @@ def _wave_of_rows(rows: npt.NDArray[Any]) -> npt.NDArray[Any]:
 # --- closer than the stored columns ----------------------------------------------------------------------------------
 
 
-def spectrogram_detail(source: AudioSource, start_s: float, end_s: float, n_columns: int, plane: str = "max") -> Bytes:
+def spectrogram_detail(
+    source: AudioSource, start_s: float, end_s: float, n_columns: int, plane: str = "max", cleaned: Reads | None = None
+) -> Bytes:
     """Return the picture uint8 (bins, n_columns) computed from the sound itself, for zooms finer than the pyramid.
 
     A pixel shorter than a hop gets the window around its middle; a longer one pools windows at most a hop apart. The
     rows are those of the pyramid. Meant for pixels below one stored column: the work grows with ``end_s - start_s``.
+    ``cleaned`` reads other sound of the same length in the place of the recording's own.
     """
     grid = Grid(source.sample_rate_hz, source.frames)
     pixel = (end_s - start_s) * grid.sample_rate_hz / n_columns
@@ -259,7 +269,7 @@ def spectrogram_detail(source: AudioSource, start_s: float, end_s: float, n_colu
                 first * pixel + (np.arange(count * per_pixel) + 0.5) * (pixel / per_pixel)
             )
             starts = np.rint(centres).astype(np.int64) - grid.window // 2
-            piece = _padded(reader, int(starts[0]), int(starts[-1]) + grid.window, source.frames)
+            piece = _padded(cleaned or reader, int(starts[0]), int(starts[-1]) + grid.window, source.frames)
             view = np.lib.stride_tricks.sliding_window_view(piece, grid.window)[starts - starts[0]]
             power = power_of(view * window)[:, :rows].reshape(count, per_pixel, -1)
             pooled = power.max(axis=1) if plane == "max" else power.mean(axis=1)
@@ -268,7 +278,7 @@ def spectrogram_detail(source: AudioSource, start_s: float, end_s: float, n_colu
     return to_tile(out).T
 
 
-def _padded(reader: AudioReader, start: int, end: int, frames: int) -> npt.NDArray[np.float32]:
+def _padded(reader: Reads, start: int, end: int, frames: int) -> npt.NDArray[np.float32]:
     """Return samples ``start``..``end``, zeros where there is no recording."""
     inside_start, inside_end = min(max(start, 0), frames), max(min(end, frames), 0)
     samples = reader.read(inside_start, max(0, inside_end - inside_start))

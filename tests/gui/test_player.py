@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_survey import candidate
 
-from app.player import LEAD_IN_S, LONGEST_LOOP_S, BandFilter, gain_of, loop_span
+from app.listening import BandFilter
+from app.player import LEAD_IN_S, LONGEST_LOOP_S, gain_of, loop_span
 
 RATE_HZ = 8000.0
 
