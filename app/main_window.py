@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 from app import actions, appearance, enabling
 from app.actions import ACTIONS, PAGE_TITLES, Page
 from app.cleaning_control import CleaningControl
+from app.channel_control import ChannelControl
 from app.clock_control import ClockControl
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
@@ -86,6 +87,8 @@ class MainWindow(QMainWindow):
         self.path = PathControls(self._session, services.jobs, self.review_page, language, self)
         self.cleaning = CleaningControl(self._session, services.jobs, self.review_page, self.player, language, self)
         self.clock = ClockControl(self._session, self.review_page.tools, self.review_page.clock, language, self)
+        page = self.review_page
+        self.channels = ChannelControl(self._session, page.tools, page.channels, language, self)
         self.route = RouteControl(
             self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
         )

@@ -15,6 +15,7 @@ from app import view_data
 from app.page_tools import PageTools, TabTools
 from processing.survey import TiePoint, Track
 from widgets.candidate_table import CandidateRow, CandidateTable
+from widgets.channel_panel import ChannelPanel
 from widgets.clock_panel import ClockPanel
 from widgets.decision_panel import DecisionPanel
 from widgets.imu_view import ImuView
@@ -64,6 +65,7 @@ class ReviewPage(QWidget):
         self.methods, self.markers = MethodPanel(), MarkerPanel()
         self.quality = QualityPanel(cursor, theme)
         self.clock = ClockPanel(theme)
+        self.channels = ChannelPanel(cursor, theme)
         self._readout = QLabel()
         self._readout.setObjectName("readout")
         self._readout.setTextFormat(Qt.TextFormat.PlainText)
@@ -97,6 +99,7 @@ class ReviewPage(QWidget):
         self.tools.add_tool("methods", self.tr("Methods"), self.methods)
         self.tools.add_tool("quality", self.tr("Quality"), self.quality)
         self.tools.add_tool("clock", self.tr("Clocks"), self.clock, pages=("sound",))
+        self.tools.add_tool("channels", self.tr("Channels"), self.channels, pages=("sound",))
         self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, beside, self._side)
         foot = QHBoxLayout()
         foot.addWidget(self.playback, 1)

@@ -40,6 +40,10 @@
         <translation>Bütün tuşlar tek sayfada</translation>
     </message>
     <message>
+        <source>All of the sound, the leak band, or the band of the selected candidate</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Bring the cursor and all views to the selected candidate</source>
         <translation>İmleci ve bütün görünümleri seçili adaya getirir</translation>
     </message>
@@ -146,6 +150,14 @@
     <message>
         <source>Go to the next candidate without a verdict</source>
         <translation>Karar verilmemiş sonraki adaya gider</translation>
+    </message>
+    <message>
+        <source>Half and quarter speed at the same pitch, then full speed again</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Hear and see the sound without the noise of the ball's own rolling, or as it was recorded</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Help</source>
@@ -264,12 +276,20 @@
         <translation>Çal ya da duraklat</translation>
     </message>
     <message>
+        <source>Play selection in a loop</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Play the selected candidate again and again, with two seconds of lead-in</source>
         <translation>Seçili adayı iki saniye öncesinden başlayarak durmadan tekrarlar</translation>
     </message>
     <message>
         <source>Play the sound from the cursor, or pause</source>
         <translation>Sesi imleçten başlayarak çalar ya da duraklatır</translation>
+    </message>
+    <message>
+        <source>Play what is selected in the sound again and again; without a selection, the candidate</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Previous candidate</source>
@@ -282,6 +302,10 @@
     <message>
         <source>Quit</source>
         <translation>Çık</translation>
+    </message>
+    <message>
+        <source>Raw or cleaned</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Redo</source>
@@ -326,6 +350,10 @@
     <message>
         <source>Show twice as much, around the cursor (also Ctrl and wheel)</source>
         <translation>İmlecin çevresinde iki katını gösterir (Ctrl ve tekerlek de olur)</translation>
+    </message>
+    <message>
+        <source>Slower</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Sound page</source>
@@ -378,6 +406,10 @@
     <message>
         <source>What will be written, and where</source>
         <translation>Ne yazılacak ve nereye</translation>
+    </message>
+    <message>
+        <source>Which band is heard</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Write a note; it is saved as you type. Enter ends it</source>
@@ -522,6 +554,110 @@
     <message>
         <source>{decided} of {all} decided</source>
         <translation>Karar: {decided} / {all}</translation>
+    </message>
+</context>
+<context>
+    <name>ChannelPanel</name>
+    <message>
+        <source>Channel</source>
+        <translation>Kanal</translation>
+    </message>
+    <message>
+        <source>Figures of the filter</source>
+        <translation>Süzgecin bulduğu değerler</translation>
+    </message>
+    <message>
+        <source>Filter</source>
+        <translation>Süzgeç</translation>
+    </message>
+    <message>
+        <source>Settings</source>
+        <translation>Ayarlar</translation>
+    </message>
+</context>
+<context>
+    <name>ChannelView</name>
+    <message>
+        <source>Channel, raw and filtered</source>
+        <translation>Kanal, ham ve süzülmüş</translation>
+    </message>
+    <message>
+        <source>Nothing to show here</source>
+        <translation>Burada gösterilecek bir şey yok</translation>
+    </message>
+    <message>
+        <source>Reading …</source>
+        <translation>Okunuyor …</translation>
+    </message>
+</context>
+<context>
+    <name>CleaningControl</name>
+    <message>
+        <source>Learning the noise of rolling</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>rolling noise {change} dB, {turns} turns/s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{count} bumps ducked, {felt} of them felt</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>ClockBox</name>
+    <message>
+        <source>B began later by (ms)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>B runs fast by (ppm)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Both were knocked together</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>By taps beyond both ends</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Clocks</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Find the knocks in the stretch</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Hold both recorders in one hand, knock five times, irregularly; choose that stretch and press here</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>How much faster B's clock runs; what remains is found from the sound itself</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>How the clocks relate</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>One clock: one recorder, or radio or GPS time</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The offset is known</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Unknown: delay only, no place</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>±</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -778,6 +914,251 @@
     </message>
     <message>
         <source>{metres} m from A · {delay} ms · correlation {value}</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>CorrelatorControl</name>
+    <message>
+        <source>Clock offset {offset} ms.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Comparing…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Correlator</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Enter at which metre from A you tapped.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Looking for the knocks</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No result</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Nothing can be played: {reason}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Stopped</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{speed} ± {sigma} m/s, taken over.</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>CorrelatorFiles</name>
+    <message>
+        <source>All files</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Correlation</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Export</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Open a correlation</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Recording of sensor A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Recording of sensor B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save the correlation</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Sound</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Written: {name}</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>CorrelatorPage</name>
+    <message>
+        <source>?</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>A in the left ear, B in the right</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>At which frequency the speeds of the sections hold; empty: not known</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Auto band</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Band (Hz)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Band only</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Coherence</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Dispersion</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Divide resonances</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Exchange the two recordings</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Export…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Hear A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Hear B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Hear both</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>How much each frequency counts</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leave out narrow tones: mains hum, pumps</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the speed grow with frequency as the phase shows it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Listen to sensor A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Listen to sensor B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Method</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No hum</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Open a saved correlation</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Open…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Over time</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Phase</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Pipe from A to B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Put back</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Put back the peak that was taken out last</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Remove the chosen peak and show the next</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save recordings, pipe and choices as a small file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Sensor A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Sensor B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Swap A and B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take out the ringing of one sensor or its fitting</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take peak out</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Use the frequencies in which both hear the same</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Weighting</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write the page as PDF, the curve as CSV, all as JSON</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>speeds hold at (Hz)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>what it is: draw-off, echo …</source>
         <translation type="unfinished"></translation>
     </message>
 </context>
@@ -1427,14 +1808,88 @@
     </message>
 </context>
 <context>
-    <name>PlaybackBar</name>
+    <name>PipeSketch</name>
     <message>
-        <source>Hear only the band in which leaks are looked for</source>
-        <translation>Yalnızca kaçakların arandığı bandı dinletir</translation>
+        <source>Sketch of the pipe</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
-        <source>Leak band only</source>
-        <translation>Yalnızca kaçak bandı</translation>
+        <source>{length} m {material}, {speed} m/s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{metres} m</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>PipeTable</name>
+    <message>
+        <source>A to B (m)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Add section</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Length m</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Material</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Remove last</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Speed m/s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The whole distance from A to B as measured: a check of the sections</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Wall mm</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>not measured</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>±</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Ø mm</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>PlaybackBar</name>
+    <message>
+        <source>All of it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Candidate's band</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Cleaned</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>How fast it is heard, at the same pitch (S)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak band</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Loop candidate</source>
@@ -1457,8 +1912,16 @@
         <translation>Adayı durmadan tekrarla (Shift+Boşluk)</translation>
     </message>
     <message>
+        <source>Raw sound, or without the noise of the ball's own rolling, in sound and picture (A)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Volume</source>
         <translation>Ses düzeyi</translation>
+    </message>
+    <message>
+        <source>What is heard (B)</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1630,6 +2093,33 @@
     </message>
 </context>
 <context>
+    <name>RecordingBox</name>
+    <message>
+        <source>Channel</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Channel {number}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Choose…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No file yet: choose one, or drop it here.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name} and {count} more</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{seconds} s, {rate} Hz</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>ReportControl</name>
     <message>
         <source>Export</source>
@@ -1756,6 +2246,10 @@
 </context>
 <context>
     <name>ReviewPage</name>
+    <message>
+        <source>Channels</source>
+        <translation>Kanallar</translation>
+    </message>
     <message>
         <source>Clocks</source>
         <translation>Saatler</translation>
@@ -1990,6 +2484,13 @@
     </message>
 </context>
 <context>
+    <name>SectionRow</name>
+    <message>
+        <source>m/s</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>SectionTable</name>
     <message>
         <source>Lines of the file</source>
@@ -2051,6 +2552,25 @@
     <message>
         <source>or drop a folder anywhere on this window</source>
         <translation>ya da bir klasörü bu pencerenin üzerine bırakın</translation>
+    </message>
+</context>
+<context>
+    <name>StretchBox</name>
+    <message>
+        <source>Stretch (seconds of A)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>end</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>from</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>to</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2241,6 +2761,29 @@
     <message>
         <source>{length} m, {count} points, {system}, ± {sigma} m (1σ)</source>
         <translation>{length} m, {count} nokta, {system}, ± {sigma} m (1σ)</translation>
+    </message>
+</context>
+<context>
+    <name>TapBox</name>
+    <message>
+        <source>At metre</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Beyond A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Beyond B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure the speed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Tap on the pipe beyond a sensor, choose that stretch and its peak, and say where you tapped:</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
