@@ -252,6 +252,8 @@ class DetectorSettings:
     envelope_background_s: float = tunable(
         30.0, "s", 2.0, 600.0, "half window of its background where no path is known"
     )
+    size_low_hz: float = tunable(800.0, "Hz", 20.0, 40000.0, "a leak's size is told from its level in this band")
+    size_high_hz: float = tunable(3200.0, "Hz", 50.0, 90000.0, "likewise; leaks stood out there (hydrophone_pvc)")
     envelope_order: str = choice(
         "background", ("background", "plain"), "rank peaks against the local background, or as the papers, by height"
     )
@@ -268,6 +270,25 @@ class CleaningSettings:
     )
     impulse_sigmas: float = tunable(3.5, "sigma", 2.0, 100.0, "a louder frame of a band is a bump (acoustics §5.1)")
     high_pass_hz: float = tunable(0.0, "Hz", 0.0, 5000.0, "0: off; takes flow and traffic out of what is heard")
+
+
+@dataclass(frozen=True)
+class SizeSettings:
+    """Small, medium or large: see :mod:`processing.sound.sizes`."""
+
+    small_below_db: float = tunable(
+        4.0, "dB", -30.0, 60.0, "excess at 0.5 m/s and 3 bar; an estimate, to be set by known leaks of the same pipe"
+    )
+    large_above_db: float = tunable(16.0, "dB", -30.0, 80.0, "likewise; 12 dB above: two borders must not touch")
+    small_below_lpm: float = tunable(
+        8.3, "L/min", 0.01, 10000.0, "0.5 m³/h: what water balances count as background leakage at 50 m of pressure"
+    )
+    large_above_lpm: float = tunable(
+        100.0, "L/min", 0.1, 100000.0, "6 m³/h: what component analysis takes for an unreported burst of a main"
+    )
+    pressure_exponent: float = tunable(
+        2.5, "1", 0.0, 5.0, "sound power for a given flow against pressure: theory of jets near a wall, 1.8 to 3.2"
+    )
 
 
 @dataclass(frozen=True)
@@ -288,6 +309,7 @@ class Settings:
     sound: SoundSettings = field(default_factory=SoundSettings)
     detector: DetectorSettings = field(default_factory=DetectorSettings)
     report: ReportSettings = field(default_factory=ReportSettings)
+    size: SizeSettings = field(default_factory=SizeSettings)
     cleaning: CleaningSettings = field(default_factory=CleaningSettings)
 
 

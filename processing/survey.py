@@ -2,6 +2,7 @@
 
 What the operator tells (:class:`Survey` and its parts), what the device recorded (:class:`ImuSamples`,
 :class:`AudioSource`), what is derived (:class:`Track`, :class:`Candidate`), what a human decided (:class:`Decision`).
+Longer than 400 lines because it is the one vocabulary of all packages.
 """
 
 from collections.abc import Mapping
@@ -50,6 +51,7 @@ class PipeInfo:
     diameter_m: float | None = None
     length_m: float | None = None
     joint_spacing_m: float | None = None  # from joint to joint: what one pipe adds to the length
+    pressure_bar: float | None = None  # in the pipe during the run, above the air's
 
 
 @dataclass(frozen=True)
@@ -118,12 +120,27 @@ class Route:
 
 
 @dataclass(frozen=True)
+class CalibrationLeak:
+    """A leak of known flow at ``chainage_m``, such as a tap opened near the launch: others are sized beside it."""
+
+    chainage_m: float
+    flow_lpm: float  # litres a minute, measured
+    pressure_bar: float | None = None  # in the pipe there
+    name: str = ""
+
+
+@dataclass(frozen=True)
 class ProcessingChoice:
-    """Which method each step uses; ``auto`` lets the step choose by the data and say why."""
+    """Which method each step uses; ``auto`` lets the step choose by the data and say why.
+
+    ``preset`` names a row of the table of pipes (:mod:`processing.sound.presets`); ``auto`` takes the one for the
+    pipe's material and diameter, ``none`` leaves the settings as they are.
+    """
 
     orientation: str = "auto"
     position: str = "auto"
     detector: str = "auto"
+    preset: str = "auto"
 
 
 @dataclass(frozen=True)
@@ -138,6 +155,7 @@ class Survey:
     tie_points: tuple[TiePoint, ...] = ()
     route: Route | None = None
     processing: ProcessingChoice = field(default_factory=ProcessingChoice)
+    calibration_leak: CalibrationLeak | None = None
 
 
 # --- what the device recorded, and what is wrong with it -----------------------------------------------------------

@@ -141,6 +141,7 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
         "diameter_m": Number(0.0, 20.0, "m", above=True),
         "length_m": Number(0.0, 1e6, "m", above=True),
         "joint_spacing_m": Number(0.5, 100.0, "m"),
+        "pressure_bar": Number(0.0, 100.0, "bar", above=True),
     },
     "device": {
         "motion": OneOf(tuple(m.value for m in Motion)),
@@ -166,7 +167,7 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
         "elevation_m": Number(-12_000.0, 12_000.0, "m"),
         "heading_deg": Number(-360.0, 360.0, "°"),
     },
-    "processing": {"orientation": Text(100), "position": Text(100), "detector": Text(100)},
+    "processing": {"orientation": Text(100), "position": Text(100), "detector": Text(100), "preset": Text(100)},
 }
 
 TIE_POINT: Mapping[str, Kind] = {
@@ -180,6 +181,13 @@ TIE_POINT: Mapping[str, Kind] = {
     "up_m": Number(-12_000.0, 12_000.0, "m"),
     "sigma_m": _SIGMA,
     "enabled": Flag(),
+}
+
+CALIBRATION_LEAK: Mapping[str, Kind] = {
+    "chainage_m": Number(0.0, 1e7, "m"),
+    "flow_lpm": Number(0.0, 1e6, "L/min", above=True),
+    "pressure_bar": Number(0.0, 100.0, "bar", above=True),
+    "name": Text(1000),
 }
 
 ROUTE: Mapping[str, Kind] = {"crs": Text(1000), "sigma_m": _SIGMA, "file": Text(1000)}

@@ -15,6 +15,7 @@ from processing.importing import survey_keys as keys
 from processing.settings import Settings, with_value
 from processing.survey import (
     AudioInfo,
+    CalibrationLeak,
     DeviceInfo,
     Finding,
     Launch,
@@ -59,7 +60,9 @@ def read_survey_with_findings(path: Path) -> tuple[Survey, tuple[Finding, ...]]:
         place = Place(path, line=int(at[1]), column=int(at[2])) if at else Place(path)
         reason = re.sub(r"\s*\(at .*\)$", "", str(fault))[:200]
         raise LeaklineError(ErrorCode.TOML_INVALID, place, reason=reason) from None
-    unknown = [name for name in document if name not in _PARTS and name not in ("tie_points", "route")]
+    unknown = [
+        name for name in document if name not in _PARTS and name not in ("tie_points", "route", "calibration_leak")
+    ]
     parts: dict[str, Any] = {}
     for table, (attribute, kind) in _PARTS.items():
         parts[attribute] = kind(**_values(path, text, table, document.get(table, {}), keys.TABLES[table], unknown))
@@ -70,6 +73,8 @@ def read_survey_with_findings(path: Path) -> tuple[Survey, tuple[Finding, ...]]:
     )
     if "route" in document:
         survey = replace(survey, route=_route(path, text, document["route"], unknown, survey))
+    if "calibration_leak" in document:
+        survey = replace(survey, calibration_leak=_known_leak(path, text, document["calibration_leak"], unknown))
     _check_pair(path, text, "launch", 0, survey.launch)
     if not unknown:
         return survey, ()
@@ -144,6 +149,15 @@ def _check_pair(path: Path, text: str, table: str, nth: int, place: TiePoint | L
             raise LeaklineError(ErrorCode.KEY_MISSING, here, name=f"{table}.{missing}")
 
 
+def _known_leak(path: Path, text: str, given: object, unknown: list[str]) -> CalibrationLeak:
+    table = "calibration_leak"
+    values: dict[str, Any] = _values(path, text, table, given, keys.CALIBRATION_LEAK, unknown)
+    for key in ("chainage_m", "flow_lpm"):
+        if key not in values:
+            raise LeaklineError(ErrorCode.KEY_MISSING, keys.place_of(path, text, table), name=f"{table}.{key}")
+    return CalibrationLeak(**values)
+
+
 def _route(path: Path, text: str, given: object, unknown: list[str], survey: Survey) -> Route:
     plain = {k: v for k, v in given.items() if k != "points"} if isinstance(given, dict) else given
     values: dict[str, Any] = _values(path, text, "route", plain, keys.ROUTE, unknown)
@@ -177,6 +191,8 @@ def survey_as_tables(survey: Survey) -> dict[str, Any]:
             document[table] = values
     if survey.tie_points:
         document["tie_points"] = [_told(p) | {"time_s": p.time_s, "name": p.name} for p in survey.tie_points]
+    if survey.calibration_leak is not None:
+        document["calibration_leak"] = _told(survey.calibration_leak)
     if survey.route is not None:
         document["route"] = _told(survey.route) | {"points": [list(p) for p in survey.route.points]}
     return document

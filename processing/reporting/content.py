@@ -4,13 +4,14 @@ CSV, GIS and PDF are three ways of writing the same rows.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from processing.coordinates import LocalFrame, frame_of
 from processing.position import distance
 from processing.results import Results
+from processing.sound.sizes import LeakSize, size_of
 from processing.survey import Candidate, Channel, Decision, LeakClass, Stretch, TiePoint, Verdict
 
 STATUS = {
@@ -40,6 +41,7 @@ class LeakRow:
     longitude: float | None
     before: Neighbour | None
     after: Neighbour | None
+    size: LeakSize | None = None  # None for what is no leak
 
     @property
     def status(self) -> str:
@@ -102,7 +104,7 @@ def make_content(results: Results, decisions: Mapping[int, Decision]) -> ReportC
     frame = frame_of(results.survey)
     places = known_places(results)
     rows = tuple(
-        leak_row(candidate, decisions.get(candidate.id, Decision()), frame, places)
+        _sized(leak_row(candidate, decisions.get(candidate.id, Decision()), frame, places), results)
         for candidate in sorted(results.candidates, key=best_first)
     )
     unassessed = tuple(unassessed_stretch(results, stretch) for stretch in results.not_assessed)
@@ -132,6 +134,14 @@ def leak_row(candidate: Candidate, decision: Decision, frame: LocalFrame, places
         min(before, key=lambda n: n.distance_m, default=None),
         min(after, key=lambda n: n.distance_m, default=None),
     )
+
+
+def _sized(row: LeakRow, results: Results) -> LeakRow:
+    """Return the row with the size of the leak, where it may be one."""
+    if row.leak_class not in (LeakClass.LEAK, LeakClass.UNKNOWN):
+        return row
+    size = size_of(row.candidate, results.survey, results.settings.size, results.candidates)
+    return replace(row, size=size)
 
 
 def known_places(results: Results) -> tuple[Neighbour, ...]:

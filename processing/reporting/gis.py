@@ -52,6 +52,8 @@ def leak_feature(row: LeakRow, content: ReportContent) -> dict[str, Any]:
         "score": number(c.score, 4),
         "level_dB": number(c.level_db, 2),
         "note": row.decision.note,
+        "size": row.size.name if row.size is not None else None,
+        "size_basis": row.size.basis_text if row.size is not None else None,
     }
     return feature("Point", vertices(np.array([c.position_w_m]), content)[0], properties)
 

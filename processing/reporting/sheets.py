@@ -11,6 +11,7 @@ from processing.coordinates import is_local
 from processing.position.tie_checks import TieCheck
 from processing.reporting.content import LeakRow, ReportContent, verdict_counts
 from processing.reporting.figures import VERDICT_COLOURS
+from processing.sound.size_words import size_name, size_sentence
 from processing.survey import Motion, Verdict
 
 SHEETS_AT_MOST = 40  # undecided places beyond it stand in the table's file only; decided ones always get a sheet
@@ -167,7 +168,7 @@ def table_row(row: LeakRow, content: ReportContent, words: Words) -> dict[str, s
         "id": str(c.id),
         "status": status(row, words),
         "colour": VERDICT_COLOURS[row.decision.verdict],
-        "class": words(f"class_{row.leak_class.value}"),
+        "class": class_and_size(row, words),
         "chainage": f"{c.chainage_m:.1f} ± {row.interval_m:.1f} m"
         if np.isfinite(c.chainage_m)
         else f"{c.time_s:.1f} s",
@@ -175,6 +176,13 @@ def table_row(row: LeakRow, content: ReportContent, words: Words) -> dict[str, s
         "score": words("percent", percent=100 * c.score) if np.isfinite(c.score) else words("marked_short"),
         "level": f"{c.level_db:+.1f} dB" if np.isfinite(c.level_db) else "",
     }
+
+
+def class_and_size(row: LeakRow, words: Words) -> str:
+    """Return ``leak`` or ``leak, small or medium``."""
+    name = words(f"class_{row.leak_class.value}")
+    size = size_name(row.size, words.language) if row.size is not None else ""
+    return f"{name}, {size}" if size else name
 
 
 def status(row: LeakRow, words: Words) -> str:
@@ -219,6 +227,7 @@ def sheet(row: LeakRow, content: ReportContent, words: Words) -> dict[str, Any]:
         [words("after"), neighbour(row.after)],
         [words("col_class"), words(f"class_{row.leak_class.value}")],
         [words("col_level"), words("level_value", level=c.level_db, low=low, high=high) if known_level else ""],
+        [words("size"), size_sentence(row.size, words.language) if row.size is not None else ""],
         [words("col_score"), words("probability_value", percent=100 * c.score) if scored else words("marked")],
         [words("note"), row.decision.note],
     ]

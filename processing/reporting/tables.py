@@ -12,7 +12,7 @@ from processing.reporting.files import whole_file
 
 LEAK_COLUMNS = (
     "id,status,class,time_s,chainage_m,chainage_low95_m,chainage_high95_m,east_m,north_m,up_m,latitude,longitude,"
-    "score,level_dB,note,verdict"
+    "score,level_dB,note,verdict,size,size_basis"
 )
 TRACK_COLUMNS = (
     "time_s,chainage_m,east_m,north_m,up_m,sigma_along_m,sigma_cross_m,sigma_up_m,roll_deg,pitch_deg,yaw_deg"
@@ -50,6 +50,8 @@ def leak_cells(row: LeakRow, content: ReportContent) -> list[str]:
         cell(c.level_db, 2),
         row.decision.note,
         row.decision.verdict.value,
+        row.size.name if row.size is not None else "",
+        row.size.basis_text if row.size is not None else "",
     ]
 
 

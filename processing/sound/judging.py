@@ -7,7 +7,7 @@ import numpy as np
 from processing.sound.cells import band_log_power
 from processing.sound.classes import ClassModel, judge, load_model
 from processing.sound.ground import Ground, ground_of
-from processing.sound.place_features import features_at
+from processing.sound.place_features import features_at, loudness_at
 from processing.sound.spots import Listening, Spot
 from processing.survey import ImuSamples, LeakClass, Survey, Track
 
@@ -45,10 +45,22 @@ class Judging:
             figures["faded_share"] = stood["faded_db"] / max(spot.level_db, _SPEAKS_DB)
         found = judge(spot.score, figures, self.model)
         told: dict[str, str | float] = {name: value for name, value in figures.items() if np.isfinite(value)}
-        told |= {"heard_score": spot.score, **stood}
+        told |= {"heard_score": spot.score, **stood, **self._loudness(spot)}
         told |= {f"p_{c.value}": round(p, 4) for c, p in found.probability.items() if p >= _WORTH_TELLING}
         score = spot.score if self._as_published(spot) else found.score
         return replace(spot, score=score, evidence={**spot.evidence, **told}), found.leak_class
+
+    def _loudness(self, spot: Spot) -> dict[str, float]:
+        """What the size of a leak is told from."""
+        settings = self.listening.settings
+        band = (settings.size_low_hz, settings.size_high_hz)
+        found = loudness_at(self.ground, spot.place, spot.width, band)
+        if found is None:
+            return {}
+        over, background = found
+        return {
+            "size_over_db": over, "size_background_db": background, "size_low_hz": band[0], "size_high_hz": band[1]
+        }  # fmt: skip
 
     def _as_published(self, spot: Spot) -> bool:
         method = spot.evidence.get("method")

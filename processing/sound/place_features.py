@@ -127,6 +127,26 @@ def features_at(ground: Ground, place: float, width: float, band_hz: tuple[float
     return told
 
 
+def loudness_at(ground: Ground, place: float, width: float, band_hz: tuple[float, float]) -> tuple[float, float] | None:
+    """Return how far the place's own sound stands over its background in ``band_hz`` (dB), and that background (dBFS).
+
+    The first is of the sound alone, its background taken off; None where nothing stands out.
+    """
+    patch = patch_at(ground, place, width)
+    if patch is None:
+        return None
+    middle = np.sqrt(ground.scan.bands_hz[:-1, 0] * ground.scan.bands_hz[:-1, 1])
+    inside = np.append((middle >= band_hz[0]) & (middle <= band_hz[1]), False)
+    if not inside.any():
+        return None
+    near = np.abs(patch.cell_away) <= max(width / 2, float(np.min(np.abs(patch.cell_away))) + 1e-9)
+    heard = float(np.exp(patch.cell_log_power[near][:, inside]).sum(axis=1).mean())
+    background = float(np.exp(patch.background[inside]).sum())
+    if heard <= 1.01 * background:
+        return None
+    return float(10 * np.log10(heard / background - 1.0)), float(10 * np.log10(background))
+
+
 def _mapped(ground: Ground, place: float) -> Features:
     """What map and path say of the place, whatever is heard there."""
     told = {"valve_m": nearest(ground.valve_m, place), "joint_m": nearest(ground.joint_m, place)}
