@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from processing.importing.preview import FilePreview, FolderPreview
     from processing.results import Results
     from processing.settings import Settings
+    from processing.sound.coarse import GrowingPass
     from processing.storage.cache import Cache
     from processing.survey import ImportedFile, Survey
 
@@ -49,8 +50,8 @@ def source_of(folder: SurveyFolder) -> Source:
     )
 
 
-def results_of(source: Source, progress: Progress) -> "Results":
-    """Import and process; what the cache holds is not computed again.
+def results_of(source: Source, progress: Progress, growing: "GrowingPass | None" = None) -> "Results":
+    """Import and process; what the cache holds is not computed again. ``growing`` hears how far the sound is.
 
     Raises:
         LeaklineError: what the user can mend.
@@ -66,7 +67,7 @@ def results_of(source: Source, progress: Progress) -> "Results":
         progress.part(0.0, 0.3, "importing"),
         source.files,
     )
-    return process(source.survey, recording, source.settings, source.cache, progress.part(0.3, 1.0))
+    return process(source.survey, recording, source.settings, source.cache, progress.part(0.3, 1.0), growing)
 
 
 def preview_of(path: Path, options: ImportOptions, progress: Progress) -> "FolderPreview":

@@ -28,6 +28,7 @@ from processing.progress import Progress, silent
 from processing.results import Results
 from processing.settings import ClockSettings, ImportSettings, Settings, digest
 from processing.sound.candidates import Heard, find_candidates
+from processing.sound.coarse import GrowingPass
 from processing.sound.scan import SoundScan, scan
 from processing.storage.cache import Cache, cached
 from processing.storage.cache_facts import load_facts, loader, save_facts
@@ -89,7 +90,7 @@ def read_recording(
     progress = progress or silent()
 
     def compute() -> Recording:
-        return import_folder(path, options, settings, progress)
+        return import_folder(path, options, settings, progress, files)
 
     if not files:
         return compute()
@@ -120,15 +121,18 @@ def process(
     settings: Settings,
     cache: Cache,
     progress: Progress | None = None,
+    growing: GrowingPass | None = None,
 ) -> Results:
     """Derive everything from a recording: path, levels, candidates, and what could not be assessed.
+
+    ``growing`` is told how far the pass over the sound is, for those who want to see it before all is done.
 
     Raises:
         LeaklineError: NO_IMU where there is neither motion nor sound; PATH_IMPOSSIBLE where what was told makes the
             device faster than ``FASTEST_MPS``.
         Cancelled: when the operator stops it; what was finished stays in the cache.
     """
-    steps = _Steps(cache, progress or silent())
+    steps = _Steps(cache, progress or silent(), growing or GrowingPass())
     recording = _told_channel(recording, survey)
     imu, audio = recording.imu, recording.audio
     if imu is None and audio is None:
@@ -177,8 +181,8 @@ def process(
 class _Steps:
     """Runs steps through the cache, times them, and shares out the progress."""
 
-    def __init__(self, cache: Cache, progress: Progress) -> None:
-        self.cache, self.progress = cache, progress
+    def __init__(self, cache: Cache, progress: Progress, growing: GrowingPass) -> None:
+        self.cache, self.progress, self.growing = cache, progress, growing
         self.keys: list[str] = []
         self.timings: dict[str, float] = {}
 
@@ -328,10 +332,13 @@ def _sound(
     steps.timings["scan"] = 0.0
 
     def listen(place: Path) -> None:
-        steps.timed("scan", lambda: scan(audio, settings.sound, progress, place))
+        steps.timed(
+            "scan", lambda: scan(audio, settings.sound, progress, place, resume=True, grown=steps.growing.grown)
+        )
 
-    folder = steps.cache.entry("scan", key, listen)
+    folder = steps.cache.entry("scan", key, listen, resumable=True)
     listened = SoundScan.load(folder)
+    steps.growing.finished(listened)
     fitted = steps.cached(
         "clock",
         digest(key, files, survey.audio, settings.clock),

@@ -30,8 +30,12 @@ def import_folder(
     options: ImportOptions | None = None,
     settings: ImportSettings | None = None,
     progress: Progress | None = None,
+    known: tuple[ImportedFile, ...] = (),
 ) -> Recording:
     """Return all that the recording at ``path`` (a folder, or one file) holds, and what is wrong with it.
+
+    Files in ``known`` that still have their size are not read once more for their hash: they had it when they were
+    copied, and a night of sound takes its time.
 
     Raises:
         LeaklineError: NOT_A_SURVEY where there is neither IMU log nor sound; a code and a place for what the operator
@@ -64,7 +68,7 @@ def import_folder(
         findings += compare_lengths(examined.imu, audio, settings)
     roles = [*((f, "imu") for f in used), *((f, "audio") for f in sounds if audio is not None)]
     roles += [(survey_file, "survey")] if survey_file is not None else []
-    imported = _hashed(roles, progress.part(0.75, 1.0))
+    imported = _hashed(roles, progress.part(0.75, 1.0), known)
     return _recording(examined, audio, findings, imported)
 
 
@@ -92,13 +96,21 @@ def _open_sound(
         return None, (Finding("sound_unusable", Severity.WARNING, {"file": name}),)
 
 
-def _hashed(files: list[tuple[Path, str]], progress: Progress) -> tuple[ImportedFile, ...]:
+def _hashed(
+    files: list[tuple[Path, str]], progress: Progress, known: tuple[ImportedFile, ...]
+) -> tuple[ImportedFile, ...]:
+    hashes = {(file.path.absolute(), file.size): file.sha256 for file in known}
     total = max(sum(f.stat().st_size for f, _ in files), 1)
     done = 0
     out = []
     for file, role in files:
-        digest = hashlib.sha256()
-        size = 0
+        size = file.stat().st_size
+        if (told := hashes.get((file.absolute(), size))) is not None:
+            done += size
+            out.append(ImportedFile(file, role, size, told))
+            progress.update(done / total, "import_hashing")
+            continue
+        digest, size = hashlib.sha256(), 0
         try:
             with file.open("rb") as stream:
                 while block := stream.read(4 << 20):

@@ -139,6 +139,20 @@ def read_blocks(path: Path, rows: int) -> Iterator[npt.NDArray[np.generic]]:
             yield np.fromfile(file, dtype, count * per_row).reshape(count, *shape[1:])
 
 
+def read_rows(path: Path, first: int, count: int) -> npt.NDArray[np.generic]:
+    """Return some rows of the array in a .npy file that may still grow, by a plain read.
+
+    Raises:
+        ValueError, OSError: they are not there.
+    """
+    with path.open("rb") as file:
+        np.lib.format.read_magic(file)
+        shape, _, dtype = np.lib.format.read_array_header_2_0(file)
+        per_row = int(np.prod(shape[1:], dtype=np.int64))
+        file.seek(first * per_row * dtype.itemsize, os.SEEK_CUR)
+        return np.fromfile(file, dtype, count * per_row).reshape(count, *shape[1:])
+
+
 def load_rows(path: Path) -> npt.NDArray[np.generic]:
     """Return the array in a .npy file as a read-only memory map.
 

@@ -40,7 +40,7 @@ _HUM_DB = 12.0  # above its surroundings, in half of all pieces
 _REASONS = ((SILENT, "sound_silent"), (DROPOUT, "sound_dropout"), (CLIPPED, "sound_clipped"))
 _SERIES = ("level_db", "crest_db", "state", "onset", "kurtosis")
 
-Grown = Callable[[Path, int], None]  # the folder, and how many picture columns of it can be read
+Grown = Callable[[Path, Grid, int], None]  # the folder, its grid, and how many picture columns can be read there
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def scan(
                 columns = min(writer.parts_done * PART_COLUMNS, grid.column_count)
                 if grown is not None:
                     writer.flush()
-                    grown(out_dir, columns)
+                    grown(out_dir, grid, columns)
                 progress.update(0.99 * columns / grid.column_count, "sound_scanning")
         writer.finish()
     finally:

@@ -24,6 +24,7 @@ __all__ = [
     "WavePyramid",
     "build_upper_levels",
     "load_pyramids",
+    "pool_columns",
     "spectrogram_detail",
     "streamed_levels",
     "tile_db",
@@ -70,13 +71,13 @@ class TilePyramid:
         stack = self.levels[plane]
         level = max((k for k in range(len(stack)) if self._column_s(k) <= pixel_s), default=0)
         edges: FloatArray = np.asarray((start_s + np.arange(n_columns + 1) * pixel_s) / self._column_s(level), float)
-        return _pooled(stack[level], edges, plane).T
+        return pool_columns(stack[level], edges, plane).T
 
     def _column_s(self, level: int) -> float:
         return self.grid.column_s * float(TILE_FACTOR**level)
 
 
-def _pooled(columns: Bytes, edges: FloatArray, plane: str) -> Bytes:
+def pool_columns(columns: Bytes, edges: FloatArray, plane: str) -> Bytes:
     """Return (pixels, bins): ``columns`` pooled between fractional ``edges`` (pixels + 1,)."""
     first = np.floor(edges[:-1] + 1e-9).astype(np.int64)
     end = np.maximum(np.ceil(edges[1:] - 1e-9).astype(np.int64), first + 1)

@@ -2,6 +2,8 @@
 
 An entry is a folder ``<step>/<key>/`` with a manifest of its files' sizes (and checksums of the small ones). It is
 built aside and renamed, so that a crash leaves no half of one. What does not look right is thrown away and made anew.
+A step that can go on where it stopped finds in its folder what an earlier one left; whether to believe it is its own
+affair. Unfinished folders lie in ``.unfinished/`` under their step and key and are the first to go.
 """
 
 import json
@@ -27,6 +29,7 @@ _MANIFEST = "entry.json"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,99}")
 _CHECKED_BYTES = 4 << 20  # a larger file's checksum would cost more than it is worth at every opening
 _BUILDING = ".building-"
+_UNFINISHED = ".unfinished"
 
 
 class Cache:
@@ -56,18 +59,25 @@ class Cache:
                 self.discard(step, key)
         return None
 
-    def put(self, step: str, key: str, build: Callable[[Path], None]) -> Path:
-        """Make an entry: ``build`` writes files into an empty folder and closes them; return the entry's folder.
+    def put(self, step: str, key: str, build: Callable[[Path], None], *, resumable: bool = False) -> Path:
+        """Make an entry: ``build`` writes files into a folder and closes them; return the entry's folder.
+
+        The folder is empty; with ``resumable`` it may hold what a ``build`` of this entry left that did not end well,
+        and is kept for the next one if this one does not.
 
         Raises:
-            LeaklineError: DISC_FULL, CANNOT_WRITE; and whatever ``build`` raises. Nothing half-made is left.
+            LeaklineError: DISC_FULL, CANNOT_WRITE; and whatever ``build`` raises. No entry is left half-made.
         """
         entry = self.root / _safe(step) / _safe(key)
         self._sweep()
         building = self.root / f"{_BUILDING}{os.getpid()}-{secrets.token_hex(4)}"
+        if resumable:
+            building = building.with_name(f"{building.name}-{_left_name(step, key)}")
         try:
             with writing(entry):
-                building.mkdir(parents=True)
+                self.root.mkdir(parents=True, exist_ok=True)
+                if not (resumable and self._take_up(step, key, building)):
+                    building.mkdir()
             with disc_full_told(entry):
                 build(building)
             with writing(entry):
@@ -75,15 +85,18 @@ class Cache:
                 entry.parent.mkdir(exist_ok=True)
                 self._put_in_place(building, entry)
         except BaseException:
-            shutil.rmtree(building, ignore_errors=True)
+            if resumable:
+                self._lay_aside(building)
+            else:
+                shutil.rmtree(building, ignore_errors=True)
             raise
         self._used.add(entry)
         self._evict()
         return entry
 
-    def entry(self, step: str, key: str, build: Callable[[Path], None]) -> Path:
+    def entry(self, step: str, key: str, build: Callable[[Path], None], *, resumable: bool = False) -> Path:
         """Return the entry's folder, made by ``build`` if it is not there."""
-        return self.get(step, key) or self.put(step, key, build)
+        return self.get(step, key) or self.put(step, key, build, resumable=resumable)
 
     def discard(self, step: str, key: str) -> None:
         """Throw one entry away."""
@@ -113,6 +126,31 @@ class Cache:
                 _remove(entry)
                 building.rename(entry)
 
+    def _take_up(self, step: str, key: str, building: Path) -> bool:
+        """Make what was left of an entry the folder in which it is built; False where nothing was left.
+
+        Renaming is the claim: of two processes only one gets it.
+        """
+        try:
+            (self.root / _UNFINISHED / _left_name(step, key)).rename(building)
+        except OSError:
+            return False
+        return True
+
+    def _lay_aside(self, building: Path) -> None:
+        """Keep a folder whose build did not end, unless another process kept one meanwhile, or it is empty."""
+        _, _, name = building.name.removeprefix(_BUILDING).split("-", 2)
+        left = self.root / _UNFINISHED / name
+        try:
+            building.rmdir()
+        except OSError:  # it is not empty, as it should be
+            try:
+                left.parent.mkdir(exist_ok=True)
+                building.rename(left)
+            except OSError as error:
+                log.debug("cannot keep %s: %s", building, error)
+                shutil.rmtree(building, ignore_errors=True)
+
     def _touch(self, entry: Path) -> None:
         self._used.add(entry)
         try:
@@ -136,13 +174,16 @@ class Cache:
                 total -= sizes[entry]
 
     def _sweep(self) -> None:
-        """Remove what a killed process left half-built."""
+        """Remove what a killed process left half-built, or keep it where it can be gone on with."""
         if not self.root.is_dir():
             return
         for left in self.root.glob(f"{_BUILDING}*"):
             pid = left.name.removeprefix(_BUILDING).partition("-")[0]
             if pid.isdecimal() and int(pid) != os.getpid() and process_start(int(pid)) is None:
-                shutil.rmtree(left, ignore_errors=True)
+                if left.name.removeprefix(_BUILDING).count("-") >= 2:
+                    self._lay_aside(left)
+                else:
+                    shutil.rmtree(left, ignore_errors=True)
 
 
 def cached(
@@ -180,6 +221,10 @@ def _safe(name: str) -> str:
     return name
 
 
+def _left_name(step: str, key: str) -> str:
+    return f"{step}@{key}"  # a name that no step can have
+
+
 def _write_manifest(folder: Path) -> None:
     files: dict[str, dict[str, Any]] = {}
     for path in sorted(p for p in folder.rglob("*") if p.is_file()):
@@ -209,7 +254,7 @@ def _size(entry: Path) -> int:
 
 def _last_used(entry: Path) -> float:
     manifest = entry / _MANIFEST
-    return manifest.stat().st_mtime if manifest.exists() else 0.0
+    return manifest.stat().st_mtime if manifest.exists() else 0.0  # an unfinished one is the first to go
 
 
 def _remove(entry: Path) -> bool:

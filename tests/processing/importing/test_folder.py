@@ -1,6 +1,7 @@
 """A device folder becomes a recording: which files, which samples, and what is said about them."""
 
 import hashlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -156,3 +157,11 @@ def test_every_finding_and_reason_of_import_has_a_sentence_in_both_languages(sur
     for language in messages.LANGUAGES:
         for finding in import_folder(survey_folder).findings:
             assert messages.finding_sentence(finding, language)
+
+
+def test_a_file_whose_hash_is_known_is_not_read_for_it_again_unless_its_size_is_another(survey_folder):
+    files = import_folder(survey_folder).files
+    told = tuple(replace(file, sha256=f"{n:064d}") for n, file in enumerate(files))
+    assert import_folder(survey_folder, known=told).files == told
+    longer = tuple(replace(file, size=file.size + 1) for file in told)
+    assert import_folder(survey_folder, known=longer).files == files

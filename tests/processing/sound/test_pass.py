@@ -17,8 +17,9 @@ from scipy import signal
 
 from processing import messages
 from processing.errors import Cancelled
+from processing.pipeline import process
 from processing.progress import Progress
-from processing.settings import SoundSettings
+from processing.settings import Settings, SoundSettings
 from processing.sound import kernels_pass
 from processing.sound.analysis import Analyser
 from processing.sound.bands import Grid
@@ -27,6 +28,8 @@ from processing.sound.scan import scan
 from processing.sound.soundness import clipped_at
 from processing.sound.source import open_audio
 from processing.sound.tile_values import to_tile
+from processing.storage.cache import Cache
+from processing.survey import ImportedFile, Recording, Survey
 
 SETTINGS = SoundSettings()
 
@@ -144,7 +147,14 @@ def test_a_cancelled_pass_goes_on_to_the_same_bytes_and_reads_nothing_twice(tmp_
     for count in (3, 2, 4):
         with pytest.raises(Cancelled):
             scan(source, SETTINGS, stop_after(count), tmp_path, threads, resume=True)
-    scan(source, SETTINGS, out_dir=tmp_path, threads=threads, resume=True, grown=lambda _, c: shown.append(c))
+    scan(
+        source,
+        SETTINGS,
+        out_dir=tmp_path,
+        threads=threads,
+        resume=True,
+        grown=lambda _folder, _grid, c: shown.append(c),
+    )
     assert_same(tmp_path, expected)
     assert shown[0] == 64 * (4 + 3 + 5 + 1)  # each cancelled one had added the piece after which it was asked
 
@@ -160,7 +170,7 @@ def test_a_killed_pass_goes_on_to_the_same_bytes(tmp_path, whole):
         from processing.sound.scan import scan
         from processing.sound.source import open_audio
         scan_files._NOTE_EVERY_S = 0.0
-        def grown(folder, columns):
+        def grown(folder, grid, columns):
             if columns >= 64 * 6:
                 os.kill(os.getpid(), signal.SIGKILL)
         source = open_audio([Path({str(source.parts[0].path)!r})])[0]
@@ -171,7 +181,7 @@ def test_a_killed_pass_goes_on_to_the_same_bytes(tmp_path, whole):
     done = subprocess.run([sys.executable, "-c", script], env=env, check=False, timeout=60)
     assert done.returncode == -signals.SIGKILL
     shown = []
-    scan(source, SETTINGS, out_dir=tmp_path, resume=True, grown=lambda _, c: shown.append(c))
+    scan(source, SETTINGS, out_dir=tmp_path, resume=True, grown=lambda _folder, _grid, c: shown.append(c))
     assert shown[0] == 64 * 7
     assert_same(tmp_path, expected)
 
@@ -196,7 +206,7 @@ def test_what_a_crash_left_is_believed_only_as_far_as_its_checksums(tmp_path, wh
     else:
         note.write_text(json.dumps({**json.loads(note.read_text()), "made_of": "another band"}))
     shown = []
-    scan(source, SETTINGS, out_dir=tmp_path, resume=True, grown=lambda _, c: shown.append(c))
+    scan(source, SETTINGS, out_dir=tmp_path, resume=True, grown=lambda _folder, _grid, c: shown.append(c))
     assert shown[0] == 64 * (7 if spoil == "longer" else 1)
     assert_same(tmp_path, expected)
 
@@ -291,3 +301,22 @@ def test_hum_of_the_mains_is_told_with_its_frequency(tmp_path, hz, told):
         sound = sound + sum(0.06 / k * np.sin(2 * np.pi * k * hz * t) for k in (1, 2, 3))
     found = codes(scan(written(tmp_path, sound), SETTINGS, out_dir=tmp_path / "scan"))
     assert found.get("audio_hum", {}).get("frequency_hz") == told
+
+
+def test_processing_that_was_stopped_within_the_pass_goes_on_there(tmp_path, whole):
+    source, expected = whole
+    recording = Recording(None, source, (), (), (ImportedFile(source.parts[0].path, "audio", 1, "a" * 64),))
+    cache, calls = Cache(tmp_path), []
+
+    def stop(_fraction, phrase):
+        calls.append(phrase)
+
+    stopping = Progress(stop, lambda: calls.count("sound_scanning") >= 5)
+    with pytest.raises(Cancelled):
+        process(Survey(), recording, Settings(), cache, stopping)
+    again = []
+    results = process(Survey(), recording, Settings(), cache, Progress(lambda _, phrase: again.append(phrase)))
+    gone_through = len(results.scan.kurtosis)
+    assert again.count("sound_scanning") <= gone_through - 5 + 2  # and those that say that it begins and ends
+    for name in ("level_db.npy", "tiles_max_0.npy", "wave_1.npy"):
+        assert (results.scan.folder / name).read_bytes() == (expected / name).read_bytes()

@@ -1,6 +1,8 @@
 """A cache entry is complete or absent, and what is spoilt is made anew."""
 
 import os
+import subprocess
+import sys
 from contextlib import suppress
 from dataclasses import dataclass, fields
 
@@ -252,3 +254,67 @@ def test_a_cache_that_cannot_be_written_costs_no_result(tmp_path, caplog):
     assert "not cached" in caplog.text
     with pytest.raises(LeaklineError):
         Cache(tmp_path / "file").put("track", "k", write("x"))
+
+
+# --- what can be gone on with ---
+
+
+def half(place):
+    place.joinpath("half").write_text("x" + (place / "half").read_text() if (place / "half").exists() else "x")
+    raise KeyboardInterrupt
+
+
+def test_a_resumable_build_finds_what_the_last_one_left(cache):
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            cache.put("scan", "abc", half, resumable=True)
+        assert cache.get("scan", "abc") is None
+    seen = []
+
+    def build(place):
+        seen.append((place / "half").read_text())
+        (place / "half").unlink()
+        write("whole")(place)
+
+    entry = cache.entry("scan", "abc", build, resumable=True)
+    assert seen == ["xx"]
+    assert sorted(p.name for p in entry.iterdir()) == ["a.txt", "entry.json"]
+    assert [p.name for p in (cache.root / ".unfinished").iterdir()] == []
+
+
+def test_what_another_key_left_is_not_taken_up(cache):
+    with pytest.raises(KeyboardInterrupt):
+        cache.put("scan", "abc", half, resumable=True)
+    seen = []
+    for step, key, resumable in (("scan", "abd", True), ("sca", "n.abc", True), ("scan", "abc", False)):
+        cache.put(step, key, lambda place: seen.append(list(place.iterdir())), resumable=resumable)
+    assert seen == [[], [], []]
+
+
+def test_what_a_killed_process_left_of_a_resumable_build_is_taken_up_by_the_next(cache, tmp_path):
+    script = (
+        "import os, signal, sys; from pathlib import Path; from processing.storage.cache import Cache\n"
+        "def build(place):\n    (place / 'half').write_text('x'); os.kill(os.getpid(), signal.SIGKILL)\n"
+        f"Cache(Path({str(cache.root)!r})).put('scan', 'a-b', build, resumable=True)"
+    )
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    assert subprocess.run([sys.executable, "-c", script], env=env, check=False).returncode < 0
+    seen = []
+    cache.put("scan", "a-b", lambda place: seen.append([p.name for p in place.iterdir()]), resumable=True)
+    assert seen == [["half"]]
+
+
+def test_unfinished_folders_are_counted_and_are_the_first_to_go(tmp_path):
+    cache = Cache(tmp_path / "cache", cap_bytes=10_000)
+    kept = Cache(cache.root).put("track", "old", write("o" * 1000))
+
+    def large(place):
+        (place / "half").write_text("x" * 9500)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        cache.put("scan", "abc", large, resumable=True)
+    assert cache.size_bytes() > 10_000
+    cache.put("track", "new", write("n"))
+    assert kept.is_dir()
+    assert cache.size_bytes() < 2000
