@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
-from processing.importing import delimited, registry
+from processing.importing import delimited, frame_log, registry
 from processing.importing.column_mapping import MappingStore
 from processing.importing.options import ImportOptions
 from processing.importing.raw import RawImu, ReadContext
@@ -111,8 +111,8 @@ def choose_imu(folder: Path, files: tuple[Path, ...]) -> tuple[Path | None, tupl
     by_contract = next((f for f in files if f.parent == folder and f.name.casefold() == "imu.csv"), None)
     if by_contract is not None:
         return by_contract, ()
-    texts = [f for f in files if is_text(f) and not is_audio(f)]
-    ranked = [(matches[0].confidence, f) for f in texts if (matches := matches_of(f))]
+    logs = [f for f in files if (is_text(f) or f.suffix.casefold() == frame_log.SUFFIX) and not is_audio(f)]
+    ranked = [(matches[0].confidence, f) for f in logs if (matches := matches_of(f))]
     if not ranked:
         return _unknown_log(files), ()
     # the surest; among equals the one nearest to the top, then the largest
