@@ -5,7 +5,7 @@ other candidate is a false alarm, a second one at the same leak too. Apex errors
 detector was given (the sound's own error) and beside the truth (path and clock with it).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -36,6 +36,27 @@ class Outcome:
     rows: tuple[Row, ...]
     snr_db: tuple[tuple[float, ...], ...]
     length_m: tuple[float, ...]
+
+
+def plain(outcome):
+    """Return an outcome as lists, for JSON."""
+    return [[list(vars(row).values()) for row in outcome.rows], outcome.snr_db, outcome.length_m]
+
+
+def from_plain(lists):
+    """Return the outcome of :func:`plain`'s lists."""
+    rows, levels, lengths = lists
+    return Outcome(tuple(Row(*row) for row in rows), tuple(tuple(x) for x in levels), tuple(lengths))
+
+
+def joined(outcomes):
+    """Return several outcomes as one, run after run."""
+    rows, levels, lengths = [], [], []
+    for outcome in outcomes:
+        rows += [replace(row, run=row.run + len(levels)) for row in outcome.rows]
+        levels += outcome.snr_db
+        lengths += outcome.length_m
+    return Outcome(tuple(rows), tuple(levels), tuple(lengths))
 
 
 def matched_rows(run_index, leaks, candidates):

@@ -30,7 +30,7 @@ from processing.sound.scan import SoundScan, scan
 from processing.sound.source import open_audio
 from processing.survey import ClockMap, ImuSamples, LeakClass, ProcessingChoice, Survey, Track
 
-SETTINGS = {"usual": leaky_main, "other": other_main}
+SETTINGS = {"usual": leaky_main, "other": other_main, "quiet": lambda seed: without_leaks(leaky_main(seed))}
 PATH_SIGMA_M, PATH_WANDER_M, CLOCK_SIGMA_S = 0.25, 60.0, 0.003
 _TRACK_HZ = 20.0
 _VERSION = 1  # of what is kept
@@ -78,11 +78,12 @@ class Trial:
 def trial(setting, seed, folder, mixed=None, name=None):
     """Return the run from ``folder``, made there when it is missing or of another make.
 
-    ``mixed(samples, first, run)`` may add to the sound, block by block; such a run needs a ``name`` of its own.
+    ``mixed(samples, first, run)`` may add to the sound, block by block, and tell its own ``leaks``; such a run needs a
+    ``name`` of its own.
     """
     scenario = SETTINGS[setting](seed)
     here = Path(folder) / (name or f"{setting}-{seed:04d}")
-    make = f"{digest(scenario, seed, _VERSION)}-{SCAN_VERSION}"
+    make = f"{digest(scenario, seed, _VERSION, *([repr(mixed)] if mixed is not None else []))}-{SCAN_VERSION}"
     told = here / "trial.json"
     if not told.is_file() or json.loads(told.read_text())["make"] != make:
         aside = here.with_name(f".{here.name}-{os.getpid()}")  # two processes may make it at once
@@ -93,6 +94,12 @@ def trial(setting, seed, folder, mixed=None, name=None):
         except OSError:  # the other was quicker, and its run is the same
             shutil.rmtree(aside)
     return _loaded(setting, seed, here)
+
+
+def without_leaks(scenario):
+    """Return the same main with its false sources only."""
+    local = tuple(x for x in scenario.sound.local if x.kind is not LeakClass.LEAK)
+    return replace(scenario, sound=replace(scenario.sound, local=local))
 
 
 def wav_of(run, path, mixed=None):
@@ -146,6 +153,9 @@ def _make(scenario, seed, here, make, mixed):
     )  # fmt: skip
     write_survey_toml(here / "survey.toml", run.survey)
     leaks = [TrueLeak(p.name, p.chainage_m, float(told(p.chainage_m)[0]), p.snr_db, p.half_width_m) for p in run.leaks]
+    for k, x in enumerate(mixed.leaks if mixed is not None else ()):
+        told_m = float(told(x.chainage_m)[0])
+        leaks.append(TrueLeak(f"{x.kind} {k + 1}", x.chainage_m, told_m, x.snr_db, x.half_width_m))
     clock_error = float(np.random.default_rng([seed, 93]).normal(0, CLOCK_SIGMA_S))
     content = {
         "make": make,

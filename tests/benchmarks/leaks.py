@@ -1,7 +1,7 @@
 """Mains with leaks of known place and SNR: what each detector finds, at which false alarms, how well placed and stated.
 
     python tests/benchmarks/leaks.py --keep DIR [--detector auto,envelope|all] [--setting usual|other] [--seeds 0-39]
-        [--threshold SCORE] [--list] [--ceiling] [--out FILE]
+        [--threshold FILE] [--list] [--ceiling] [--results FILE] [--out FILE]
 
 A run is :func:`processing.simulation.leak_trials.leaky_main` (``usual``) or ``other_main`` (``other``); it is made and
 listened to once and kept in DIR (about 15 s and 15 MB each), after which a detector takes a second or two a run.
@@ -19,6 +19,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from kept import Kept
 from leak_figures import (
     Outcome,
     apex,
@@ -26,7 +27,10 @@ from leak_figures import (
     bootstrap,
     calibration,
     false_per_km,
+    from_plain,
+    joined,
     matched_rows,
+    plain,
     recall,
     threshold_at,
 )
@@ -37,24 +41,41 @@ from processing.simulation.leak_trials import SNR_CLASSES_DB
 from processing.sound.candidates import DETECTORS, find_candidates
 
 LEAST_SCORE = 0.001
+CEILINGS = ("told the truth", "levels unknown")
 
 
-def searched(detector, setting, seeds, folder, listed=False):
-    """Return the outcome of a detector on runs."""
+def searched(detector, setting, seeds, folder, listed=False, kept=None):
+    """Return the outcome of a detector on runs; those in ``kept`` are not searched again."""
     settings = DetectorSettings(min_score=LEAST_SCORE)
-    rows, levels, lengths, seconds = [], [], [], 0.0
-    for index, seed in enumerate(seeds):
-        run = trial(setting, seed, folder)
-        begun = time.process_time()
-        found = find_candidates(run.scan, run.clock, run.track, run.survey_for(detector), settings, imu=run.imu)
-        seconds += time.process_time() - begun
-        rows += matched_rows(index, run.leaks, found.candidates)
-        levels.append(tuple(leak.snr_db for leak in run.leaks))
-        lengths.append(run.length_m)
-        if listed:
-            print_run(run, found.candidates)
+    outcomes, seconds, kept = [], 0.0, kept or Kept()
+    for seed in seeds:
+        key = (detector, setting, seed)
+        if key not in kept.rows:
+            run = trial(setting, seed, folder)
+            begun = time.process_time()
+            found = find_candidates(run.scan, run.clock, run.track, run.survey_for(detector), settings, imu=run.imu)
+            seconds += time.process_time() - begun
+            rows = matched_rows(0, run.leaks, found.candidates)
+            outcome = Outcome(tuple(rows), (tuple(leak.snr_db for leak in run.leaks),), (run.length_m,))
+            kept.add(key, plain(outcome))
+            if listed:
+                print_run(run, found.candidates)
+        outcomes.append(from_plain(kept.rows[key]))
     print(f"  {detector}: {seconds / max(len(seeds), 1):.1f} s CPU a run", file=sys.stderr, flush=True)
-    return Outcome(tuple(rows), tuple(levels), tuple(lengths))
+    return joined(outcomes)
+
+
+def truth_told(name, setting, seeds, kept):
+    """Return the outcome of the detector that is told the truth."""
+    from leak_ceiling import told_the_truth
+
+    outcomes = []
+    for seed in seeds:
+        key = (name, setting, seed)
+        if key not in kept.rows:
+            kept.add(key, plain(told_the_truth(setting, [seed], levels_known=name == "told the truth")))
+        outcomes.append(from_plain(kept.rows[key]))
+    return joined(outcomes)
 
 
 def print_run(run, candidates, least=0.2):
@@ -116,7 +137,8 @@ def print_tables(results, fixed):
         at = threshold_at(outcome, 1.0)
         own = apex(outcome, at)
         everything = apex(outcome, at, -100.0)
-        rates = "  ".join(f"{false_per_km(outcome, s):5.2f}" for s in (0.2, 0.5, 0.8))
+        limits = (np.nan,) * 3 if name in CEILINGS else (0.2, 0.5, 0.8)
+        rates = "  ".join(f"{false_per_km(outcome, s) if s == s else s:5.2f}" for s in limits)
         low, high = bootstrap(outcome, average_precision, 100)
         line = f"{name:22s} {rates}   {average_precision(outcome):.3f} ({low:.2f}-{high:.2f})"
         if own["hits"]:
@@ -127,6 +149,8 @@ def print_tables(results, fixed):
         print(line)
     print("\ncalibration: stated -> true (count)")
     for name, outcome in results.items():
+        if name in CEILINGS:  # its scores are no probabilities
+            continue
         table, error = calibration(outcome)
         _, wide = calibration(outcome, 0.05)
         words = " ".join(f"{stated:.2f}->{true:.2f} ({count})" for _, _, count, stated, true in table if count)
@@ -143,17 +167,17 @@ def main():
     words.add_argument("--threshold", type=Path, help="JSON file with a score for each detector")
     words.add_argument("--list", action="store_true", help="misses and false alarms, run by run")
     words.add_argument("--ceiling", action="store_true")
+    words.add_argument("--results", type=Path, help="file of outcomes, to go on with or to print again later")
     words.add_argument("--out", type=Path, help="write the scores at 1 FA/km, for --threshold on other seeds")
     told = words.parse_args()
     first, _, last = told.seeds.partition("-")
     seeds = range(int(first), int(last or first) + 1)
-    names = ["auto", *DETECTORS] if told.detector == "all" else told.detector.split(",")
-    results = {name: searched(name, told.setting, seeds, told.keep, told.list) for name in names}
+    names = ["auto", *DETECTORS] if told.detector == "all" else [x for x in told.detector.split(",") if x]
+    kept = Kept(told.results)
+    results = {name: searched(name, told.setting, seeds, told.keep, told.list, kept) for name in names}
     if told.ceiling:
-        from leak_ceiling import told_the_truth
-
-        results["told the truth"] = told_the_truth(told.setting, seeds)
-        results["levels unknown"] = told_the_truth(told.setting, seeds, levels_known=False)
+        for name in CEILINGS:
+            results[name] = truth_told(name, told.setting, seeds, kept)
     fixed = json.loads(told.threshold.read_text()) if told.threshold else None
     print_tables(results, fixed)
     if told.out:
