@@ -31,6 +31,7 @@ from processing.sound.source import AudioReader
 from processing.survey import AudioSource, ClockMap, FloatArray, ImuSamples, Motion
 
 _LEAST_HEARD = 0.05  # share of the run in which the swelling must be heard to count
+_APART_S = 0.2
 _FELT_S = 0.08  # a bump is felt within so much of being heard
 _SAMPLES, _SAMPLE_S = 8, 0.4  # of the sound, for a figure over a span
 
@@ -211,6 +212,7 @@ class CleanReader:
             begins = np.flatnonzero(ducked & ~np.concatenate([[False], ducked[:-1]]))
             heard += [number * chunk_s + step_s * float(i) for i in begins]
         at = np.array([t for t in heard if start <= t * rate < start + count])
+        at = at[np.diff(at, prepend=-np.inf) > _APART_S]  # one that rings on is one
         felt = self._context.felt_s
         if not len(at) or not len(felt):
             return len(at), 0

@@ -23,6 +23,7 @@ _MEDIAN = 31
 _KEPT_CHUNKS = 4
 _EVEN_S = 15.0  # over which the gain's power is held at one: many turns
 _GAIN_RANGE = (-2.0, 2.0)  # nepers
+_BELOW = 1.0  # nepers of power, 4 dB
 _QUIET = 1e-14  # power of a bin in digital silence
 
 
@@ -145,12 +146,15 @@ class BandCleaner:
         return spectra[own], steady[own], bumps[own]
 
     def _bumps(self, level: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-        """Return the logarithm of the gain (n, bands) that brings a bump down to the median around it."""
+        """Return the logarithm of the gain (n, bands) that brings a bump somewhat below the median around it.
+
+        Below, because a crack is shorter than a frame: with the power of quiet frames it would still be heard.
+        """
         over = level - ndimage.median_filter(level, (_MEDIAN, 1), mode="nearest")
         sigma = np.maximum(1.4826 * np.median(np.abs(over), axis=0), self._least_sigma)
         struck = over > self._settings.impulse_sigmas * sigma
         struck = ndimage.binary_dilation(struck, np.ones((3, 1), np.bool_))
-        ducked: npt.NDArray[np.float32] = np.where(struck, -0.5 * np.maximum(over, 0), 0).astype(np.float32)
+        ducked: npt.NDArray[np.float32] = np.where(struck, -0.5 * np.maximum(over + _BELOW, 0), 0).astype(np.float32)
         return ducked
 
 
