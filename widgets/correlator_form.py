@@ -12,6 +12,7 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
+    QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
@@ -48,6 +49,7 @@ class RecordingBox(QGroupBox):
         self._name = QLabel(self.tr("No file yet: choose one, or drop it here."))
         self._name.setTextFormat(Qt.TextFormat.PlainText)
         self._name.setWordWrap(True)
+        self._name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)  # names may be long
         self._choose = QPushButton(self.tr("Choose…"))
         self._choose.setMinimumHeight(40)
         self._choose.clicked.connect(self.choose_asked)
@@ -56,13 +58,10 @@ class RecordingBox(QGroupBox):
         self.channel.setAccessibleName(self.tr("Channel"))
         self.channel.activated.connect(self.channel_chosen)
         self.channel.hide()
-        row = QHBoxLayout()
-        row.addWidget(self._choose)
-        row.addWidget(self.channel, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 4, 8, 6)
-        layout.addWidget(self._name)
-        layout.addLayout(row)
+        for widget in (self._name, self._choose, self.channel):
+            layout.addWidget(widget)
 
     def show_recording(self, shown: ShownRecording | None) -> None:
         """Show what was chosen; None shows nothing."""

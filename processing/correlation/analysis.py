@@ -20,9 +20,10 @@ from processing.correlation.correlogram import (
 from processing.correlation.parts import Drift, PartDelays, delays_of_parts, drift_of, search_drift, undrifted
 from processing.correlation.phase_fit import DispersionChoice, PhaseLine, fit_phase
 from processing.correlation.pipe import Pipe, Position, Where, locate
+from processing.correlation.reading import measure
 from processing.correlation.recordings import Pair, Sync, SyncKind
 from processing.correlation.resonance import Resonance, divided, find_resonances
-from processing.correlation.spectra import CrossSpectra, measure, segment_length_s
+from processing.correlation.spectra import CrossSpectra, segment_length_s
 from processing.correlation.weighting import Band, Weighting, auto_band, band_gain, hum_lines, weights
 from processing.progress import Progress
 from processing.survey import BoolArray, Finding, FloatArray, Severity

@@ -18,6 +18,8 @@ from processing.survey import FloatArray
 _FINE = 16.0  # grid points of the correlation per period of its highest frequency
 _MOST_POINTS = 2_000_000
 _PADDING = 4
+_GONE = 0.06  # of its height: what is left of a peak then no longer leads the list
+_WIDEST = 12.0
 
 
 @dataclass(frozen=True)
@@ -198,6 +200,25 @@ def _independent_delays(correlogram: Correlogram) -> float:
     """Return how many unrelated values the correlation has: zero crossings tell it well enough."""
     signs = np.signbit(correlogram.value)
     return max(1.0, float(np.count_nonzero(signs[1:] != signs[:-1])))
+
+
+def suppression(correlogram: Correlogram, peak: Peak, name: str = "") -> Suppressed:
+    """Return how wide a peak must be taken out: to where its flanks fall into chance, or another peak begins."""
+    envelope = correlogram.envelope
+    at = int(np.argmin(np.abs(correlogram.delay_s - peak.delay_s)))
+    low = max(3.0 * correlogram.chance, _GONE * abs(peak.height))
+    most = max(1, round(_WIDEST * peak.half_width_s / correlogram.step_s))
+    reach = max(_flank(envelope[at : at + most], low), _flank(envelope[: at + 1][::-1][:most], low))
+    half_s = max(reach * correlogram.step_s, 1.5 * peak.half_width_s)
+    return Suppressed(peak.delay_s, half_s, name)
+
+
+def _flank(envelope: FloatArray, low: float) -> int:
+    """Return after how many points a flank is below ``low``, or rises again clearly above its own lowest."""
+    lowest = np.minimum.accumulate(envelope)
+    ended = (envelope < low) | (envelope > 2.0 * lowest)
+    first = int(np.argmax(ended)) if ended.any() else len(envelope)
+    return int(np.argmin(envelope[: first + 1]))
 
 
 def without(spectra: CrossSpectra, suppressed: Sequence[Suppressed]) -> ComplexArray:

@@ -11,8 +11,8 @@ from scipy import fft, signal
 
 from processing.correlation.correlogram import correlate, peaks
 from processing.correlation.phase_fit import DispersionChoice, fit_phase
+from processing.correlation.reading import measure
 from processing.correlation.recordings import Pair, Sync, SyncKind
-from processing.correlation.spectra import measure
 from processing.correlation.weighting import Band, Weighting, band_gain, weights
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.progress import Progress

@@ -23,6 +23,8 @@ _ROUNDS = 12
 _OUTLIER = 4.685  # Tukey's biweight: 95 % efficient where there are no outliers
 _SLOPES = 41
 _SHIFTS = 161
+_TELLING = 5.0
+_LEAST_DELAY_S = 2e-4
 
 
 @dataclass(frozen=True)
@@ -171,12 +173,14 @@ def _refined(
         if abs(step[0]) < 1e-9:
             break
     delay_s = peak.delay_s + shift
-    slope = bent / delay_s if abs(delay_s) > 1e-6 else choice.slope
-    slope_sigma = math.sqrt(covariance[1, 1]) / max(abs(delay_s), 1e-6)
+    sigma_s = math.sqrt(covariance[0, 0])
+    slope, slope_sigma = choice.slope, max(choice.sigma, 1e-9)
+    if abs(delay_s) > max(_TELLING * sigma_s, _LEAST_DELAY_S):  # sound that came equally far both ways tells nothing
+        slope, slope_sigma = bent / delay_s, math.sqrt(covariance[1, 1]) / abs(delay_s)
     residual = np.angle(bands.value * polarity * np.exp(-1j * (basis @ np.array([shift, bent]))))
     return PhaseLine(
         delay_s=delay_s,
-        sigma_s=math.sqrt(covariance[0, 0]),
+        sigma_s=sigma_s,
         polarity=polarity,
         dispersion=Dispersion(slope, reference_hz),
         slope_sigma=slope_sigma,

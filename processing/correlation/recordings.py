@@ -1,7 +1,6 @@
 """The two recordings that are correlated: which channels, which stretch, and how their clocks relate."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -9,7 +8,6 @@ import numpy as np
 
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.sound.pcm import Samples
-from processing.sound.source import AudioReader
 from processing.survey import AudioSource
 
 MOST_DRIFT_PPM = 1000.0
@@ -117,33 +115,6 @@ def lay_grid(pair: Pair, segment_s: float) -> Grid:
             need_s=1.5 * length_s,
         )
     return Grid(rate_a, rate_b, periods * rate_a // common, periods * rate_b // common, first, segments)
-
-
-@dataclass(frozen=True)
-class Segment:
-    """One piece of both recordings; B's was taken ``late_s`` later than wanted (a part of a sample)."""
-
-    index: int
-    start_s: float
-    a: Samples
-    b: Samples
-    late_s: float
-
-
-def segments(pair: Pair, grid: Grid) -> Iterator[Segment]:
-    """Yield the segments in order; at any time only one is held, so memory does not grow with the recording."""
-    with AudioReader(pair.a) as reader_a, AudioReader(pair.b) as reader_b:
-        first_a = round(grid.first_s * grid.rate_a_hz)
-        hop_a = grid.count_a // 2
-        for index in range(grid.segments):
-            at_a = first_a + index * hop_a
-            start_s = at_a / grid.rate_a_hz
-            wanted_s = (start_s - pair.sync.offset_s) * (1.0 + 1e-6 * pair.sync.drift_ppm)
-            at_b = max(0, round(wanted_s * grid.rate_b_hz))
-            a, b = reader_a.read(at_a, grid.count_a), reader_b.read(at_b, grid.count_b)
-            if len(a) < grid.count_a or len(b) < grid.count_b:
-                return  # rounding may cost the last segment
-            yield Segment(index, start_s, a, b, at_b / grid.rate_b_hz - wanted_s)
 
 
 def is_silent(samples: Samples) -> bool:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import typst
 
 from processing import messages
 from processing.correlation.analysis import Choice, Correlation
@@ -149,6 +148,8 @@ def write_page(path: Path, report: CorrelationReport) -> None:
     Raises:
         LeaklineError: REPORT_FAILED with the template's own words.
     """
+    import typst  # slow to import: only who writes a page pays for it
+
     data = page_data(report)
     words = _words(report.language)
     with tempfile.TemporaryDirectory(prefix="leakline-correlation-") as name:

@@ -64,6 +64,7 @@ def simulate(what: SimulatedPair) -> tuple[FloatArray, FloatArray]:
         b += hum * scale * math.sqrt(power[1])
     for own, own_power in zip((a, b), power, strict=True):
         own += _noise(rng, frequency, count, what.noise_top_hz) * math.sqrt(own_power * 10.0 ** (-what.snr_db / 10.0))
+        own += 1e-3 * math.sqrt(own_power) * rng.standard_normal(count)  # the recorder's own hiss, at all frequencies
     b *= what.polarity
     return _scaled(a, b, int(what.duration_s * what.rate_hz))
 
@@ -129,7 +130,9 @@ def _intermittent(rng: np.random.Generator, count: int, share: float) -> FloatAr
     """Return 1 in about ``share`` of the time, 0 else, in twelfths of the recording."""
     blocks = np.zeros(12)
     blocks[rng.permutation(12)[: max(1, round(12 * share))]] = 1.0
-    return np.repeat(blocks, -(-count // 12))[:count]
+    steps = np.repeat(blocks, -(-count // 12))[:count]
+    soft = max(1, count // 500)  # a switch that clicks would be a sound of its own
+    return np.convolve(steps, np.hanning(soft + 2)[1:-1] / np.hanning(soft + 2).sum(), mode="same")
 
 
 def write_wave(path: Path, samples: FloatArray, rate_hz: int) -> None:

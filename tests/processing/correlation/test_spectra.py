@@ -6,8 +6,9 @@ import soundfile
 from correlator_runs import source_of
 from scipy import signal
 
-from processing.correlation.recordings import Pair, Sync, SyncKind, is_clipped, lay_grid, segments
-from processing.correlation.spectra import coherence_bound, measure
+from processing.correlation.reading import measure, segments
+from processing.correlation.recordings import Pair, Sync, SyncKind, is_clipped, lay_grid
+from processing.correlation.spectra import coherence_bound
 from processing.errors import Cancelled, ErrorCode, LeaklineError
 from processing.progress import Progress, silent
 from processing.sound.source import open_audio
