@@ -150,6 +150,8 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Everything needed for the verdicts"), Needs.SURVEY),
     _row("page_report", N("Actions", "Report page"), "Ctrl+5", Page.VIEW, "show_report",
          N("Actions", "What will be written, and where"), Needs.SURVEY),
+    _row("correlator", N("Actions", "Correlator"), "Ctrl+K", Page.VIEW, "correlator.show",
+         N("Actions", "Find a leak between two fixed sensors from their recordings"), short=N("Actions", "Correlator")),
     _row("left", N("Actions", "Cursor back"), "Left", Page.VIEW, "review.step_back",
          N("Actions", "Move the cursor one step back: a fiftieth of what is shown"), Needs.RESULTS),
     _row("right", N("Actions", "Cursor forward"), "Right", Page.VIEW, "review.step_forward",

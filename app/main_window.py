@@ -25,6 +25,7 @@ from app.actions import ACTIONS, PAGE_TITLES, Page
 from app.cleaning_control import CleaningControl
 from app.channel_control import ChannelControl
 from app.clock_control import ClockControl
+from app.correlator_entry import CorrelatorEntry
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.files_control import FilesControl
@@ -49,7 +50,7 @@ from widgets.start_page import StartPage
 from widgets.step_bar import StepBar
 
 REVIEW_PAGES = ("path", "sound", "leaks")
-TOOLS = ("open", "undo", "redo", "mark", "export")
+TOOLS = ("open", "undo", "redo", "mark", "export", "correlator")
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,9 @@ class MainWindow(QMainWindow):
             self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
         )
         self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
+        self.correlator = CorrelatorEntry(
+            services.jobs, self._preferences, language, self._plain_pages, self._stack, self
+        )
         self.help = HelpControl(self, services.log_file)
         self.actions_by_id = actions.build(self, self)
         self._build_menus()
@@ -110,7 +114,9 @@ class MainWindow(QMainWindow):
         self.data_page = DataPage(self._language, methods(self._language))
         self.review_page = ReviewPage(self._session.cursor, self._theme)
         self.report_panel = ReportPanel(self._language)
-        self._plain_pages = {"start": self.start_page, "data": self.data_page, "report": self.report_panel}
+        self._plain_pages: dict[str, QWidget] = {
+            "start": self.start_page, "data": self.data_page, "report": self.report_panel
+        }  # fmt: skip
         self._stack = QStackedWidget()
         for page in (*self._plain_pages.values(), self.review_page):
             self._stack.addWidget(page)
@@ -173,6 +179,8 @@ class MainWindow(QMainWindow):
         self.files.page_asked.connect(self.show_page)
         self.files.told.connect(self.notices.tell)
         self.report.told.connect(self.notices.tell)
+        self.correlator.told.connect(self.notices.tell)
+        self.correlator.page_asked.connect(self.show_page)
         self.path.reprocess_asked.connect(lambda: self.files.reprocess(show=self.page))
         self.path.failed.connect(self.notices.tell_error)
         self.player.failed.connect(self.notices.tell_error)
@@ -187,7 +195,7 @@ class MainWindow(QMainWindow):
     # --- pages ---
 
     def show_page(self, page: str) -> None:
-        """Show ``start``, ``data``, ``path``, ``sound``, ``leaks`` or ``report``."""
+        """Show ``start``, ``data``, ``path``, ``sound``, ``leaks``, ``report`` or ``correlator``."""
         if page in REVIEW_PAGES and self._session.results is None:
             page = "data"
         self.page = page
@@ -200,7 +208,7 @@ class MainWindow(QMainWindow):
             self._stack.setCurrentWidget(self._plain_pages[page])
         if page == "report":
             self.report.refresh()
-        if page != "start":
+        if page not in ("start", "correlator"):
             self.step_bar.set_current(page)
         self._show_enabled()
 
@@ -304,6 +312,7 @@ class MainWindow(QMainWindow):
         assert isinstance(application, QApplication)
         appearance.apply_theme(application, self._theme)
         self.review_page.apply_theme(self._theme)
+        self.correlator.apply_theme(self._theme)
 
     def toggle_language(self) -> None:
         """Ask for the window again in the other language."""
@@ -334,6 +343,7 @@ class MainWindow(QMainWindow):
         """Qt: put what is still being typed on disk; everything else is there already."""
         self.review_page.decision.flush()
         self.player.stop()
+        self.correlator.stop()
         self.cleaning.stop()
         self.notices.stop()
         self._memory.save()

@@ -31,6 +31,7 @@ class Preferences:
     play_band: str = "whole"  # or leaks, candidate
     play_slow: int = 1  # times as long
     recent_crs: list[str] = field(default_factory=list)  # EPSG codes chosen for routes, newest first
+    correlator_folder: str = ""  # where recordings and sessions of the correlator were last
 
 
 class PreferencesStore:
