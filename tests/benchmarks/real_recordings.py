@@ -12,7 +12,7 @@ What can be concluded from the recordings, and what cannot:
 - There is one recording of some 36 s for each leak and one of the quiet pipe. Whatever differs may be the leak, or the
   day: nothing here tells the two apart. The halves of the quiet recording agree within 0.4 dB from 100 to 800 Hz, so
   differences of 2 dB there are real differences between recordings, not chance within them.
-- Below 100 Hz lies 99 % of the energy, of the rig. Overall the quiet pipe is louder than two or three of four leaks.
+- Below 100 Hz lies 99.9 % of the energy, of the rig. Overall the quiet pipe is louder than three of the four leaks.
 - From 100 to 400 Hz the orifice leak is 2 to 2.7 dB louder than the quiet pipe in nearly every second, the
   circumferential crack 1.6 dB at 100–200 Hz; the longitudinal crack is 3 dB quieter, the gasket leak 4 dB quieter at
   200–400 Hz. No sign holds for all leaks.
