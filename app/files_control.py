@@ -40,6 +40,7 @@ class FilesControl(QObject):
     page_asked = Signal(str)
     told = Signal(str)
     band_settled = Signal(float, float)  # Hz: what is looked for now
+    sound_met = Signal(object)  # opening.FirstLook: it can be looked at before it is processed
 
     def __init__(
         self,
@@ -204,6 +205,8 @@ class FilesControl(QObject):
         self._page.set_findings(findings, (), notes)
         self._page.tie_points.set_moments(0.0, opening.end_of(preview))
         self._show_process()
+        if self._options is not None and opening.is_ready(preview):
+            self.sound_met.emit(opening.first_look(preview.path, self._options, self._page.survey))
 
     def process(self) -> None:
         """Process the previewed folder, or the open survey again."""
@@ -263,7 +266,9 @@ class FilesControl(QObject):
                 self._take_results(results, show)
 
         self._page.set_process(self.tr("Processing …"), enabled=False)
-        self._start(lambda progress: opening.results_of(source, progress), self.tr("Processing"), take)
+        look = opening.first_look(source.original_dir, source.options, source.survey)
+        self._start(lambda progress: opening.results_of(source, progress, look.growing), self.tr("Processing"), take)
+        self.sound_met.emit(look)
 
     def _take_results(self, results: "Results", show: str) -> None:
         from app.marking import candidate_at

@@ -29,6 +29,7 @@ from app.correlator_entry import CorrelatorEntry
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.files_control import FilesControl
+from app.first_sound import FirstSound
 from app.help_control import HelpControl
 from app.jobs import Job, Jobs
 from app.methods import methods
@@ -85,6 +86,7 @@ class MainWindow(QMainWindow):
         self.files = FilesControl(
             self._session, services.jobs, self._preferences, self.data_page, lambda: self.boxes, self
         )
+        self.first_sound = FirstSound(self._session, services.jobs, self.review_page, self)
         self.path = PathControls(self._session, services.jobs, self.review_page, language, self)
         self.cleaning = CleaningControl(self._session, services.jobs, self.review_page, self.player, language, self)
         self.clock = ClockControl(self._session, self.review_page.tools, self.review_page.clock, language, self)
@@ -178,6 +180,9 @@ class MainWindow(QMainWindow):
         self.start_page.recent_chosen.connect(lambda text: self.files.open_path(Path(text)))
         self.files.page_asked.connect(self.show_page)
         self.files.told.connect(self.notices.tell)
+        self.files.sound_met.connect(self.first_sound.look_at)
+        self.first_sound.told.connect(lambda text: self.notices.show_listening(text, session))
+        self.first_sound.changed.connect(self._on_first_sound)
         self.report.told.connect(self.notices.tell)
         self.correlator.told.connect(self.notices.tell)
         self.correlator.page_asked.connect(self.show_page)
@@ -197,7 +202,7 @@ class MainWindow(QMainWindow):
     def show_page(self, page: str) -> None:
         """Show ``start``, ``data``, ``path``, ``sound``, ``leaks``, ``report`` or ``correlator``."""
         if page in REVIEW_PAGES and self._session.results is None:
-            page = "data"
+            page = "sound" if page == "sound" and self.first_sound.is_shown else "data"
         self.page = page
         if page in REVIEW_PAGES:
             self.review_page.arrange(page)
@@ -246,6 +251,15 @@ class MainWindow(QMainWindow):
         self._show_title()
         self._show_enabled()
 
+    def _on_first_sound(self) -> None:
+        """Show the sound while the survey is processed, but to nobody who fills in a form before that."""
+        if self.first_sound.is_shown and self._session.folder is not None and self.page == "data":
+            self.show_page("sound")
+        elif self._session.results is None and not self.first_sound.is_shown and self.page == "sound":
+            self.show_page("data")
+        else:
+            self._show_enabled()
+
     def _on_results(self) -> None:
         self.report.refresh()
         self._show_title()
@@ -264,7 +278,8 @@ class MainWindow(QMainWindow):
         self.actions_by_id["route"].setEnabled(self.route.ready)
         self.actions_by_id["route_remove"].setEnabled(self.route.ready and self.data_page.survey.route is not None)
         for page in (*REVIEW_PAGES, "report"):
-            self.step_bar.set_enabled(page, enabled=session.results is not None)
+            first = page == "sound" and self.first_sound.is_shown
+            self.step_bar.set_enabled(page, enabled=session.results is not None or first)
         self.step_bar.set_enabled("data", enabled=session.folder is not None or self.files.previewing)
 
     def _on_focus(self, _old: QWidget | None, new: QWidget | None) -> None:

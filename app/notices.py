@@ -16,6 +16,7 @@ class Notices(QObject):
     def __init__(self, language: str, parent: QWidget) -> None:
         super().__init__(parent)
         self._language = language
+        self._listening = ""
         self.banner = QLabel(parent)
         self.banner.setObjectName("banner")
         self.banner.setTextFormat(Qt.TextFormat.PlainText)
@@ -29,9 +30,14 @@ class Notices(QObject):
         self._timer.setSingleShot(True)
         self._timer.timeout.connect(self.told.hide)
 
+    def show_listening(self, text: str, session: SurveySession) -> None:
+        """Say in the banner that what is seen of the sound is not all yet; empty when it is."""
+        self._listening = text
+        self.show_state(session)
+
     def show_state(self, session: SurveySession) -> None:
         """Say in the banner what must not be overlooked about the open survey."""
-        hints = []
+        hints = [self._listening] if self._listening else []
         if session.folder is not None:
             if session.survey.info.simulated:
                 hints.append(self.tr("Demonstration (simulated): nothing here is a real pipe"))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from processing.importing.preview import FilePreview, FolderPreview
     from processing.results import Results
     from processing.settings import Settings
-    from processing.sound.coarse import GrowingPass
+    from processing.sound.coarse import CoarseTiles, GrowingPass
     from processing.storage.cache import Cache
     from processing.survey import ImportedFile, Survey
 
@@ -68,6 +68,36 @@ def results_of(source: Source, progress: Progress, growing: "GrowingPass | None"
         source.files,
     )
     return process(source.survey, recording, source.settings, source.cache, progress.part(0.3, 1.0), growing)
+
+
+@dataclass(frozen=True)
+class FirstLook:
+    """What a look at the sound needs before anything is processed; ``growing`` hears how far the processing is."""
+
+    path: Path
+    options: ImportOptions
+    survey: "Survey"
+    growing: "GrowingPass"
+
+
+def first_look(path: Path, options: ImportOptions, survey: "Survey") -> FirstLook:
+    """Prepare a look at the sound of a recording."""
+    from processing.sound.coarse import GrowingPass
+
+    return FirstLook(path, options, survey, GrowingPass())
+
+
+def coarse_sound(look: FirstLook) -> "CoarseTiles | None":
+    """Open the sound and look at it here and there; None where there is none.
+
+    Raises:
+        LeaklineError: what the import will tell, too.
+    """
+    from processing.importing.folder import sound_of
+    from processing.sound.coarse import open_coarse
+
+    sound = sound_of(look.path, look.options, look.survey)
+    return None if sound is None else open_coarse(sound, look.growing)
 
 
 def preview_of(path: Path, options: ImportOptions, progress: Progress) -> "FolderPreview":

@@ -30,6 +30,7 @@ from widgets.plot_theme import Theme
 from widgets.profile_view import ProfileView
 from widgets.quality_panel import QualityPanel
 from widgets.spectrogram_view import SpectrogramView
+from widgets.tile_source import TileSource
 from widgets.time_cursor import TimeCursor
 from widgets.vocabulary import clock_text, number
 
@@ -165,6 +166,12 @@ class ReviewPage(QWidget):
             self.path.set_route(view_data.route_points(results))
             self.fit_path()
         self._show_readout()
+
+    def show_sound(self, source: TileSource) -> None:
+        """Show the sound alone, over its own time: nothing has been derived from it yet."""
+        self._cursor.set_extent(source.start_s, source.end_s)
+        self._cursor.fit()
+        self.spectrogram.set_source(source)
 
     def show_track(self, track: Track, *, whole: bool) -> None:
         """Draw another path of the same run, with the leaks on it; ``whole`` lets all views and the cursor follow."""

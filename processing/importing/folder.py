@@ -22,6 +22,7 @@ __all__ = [
     "import_folder",
     "preview_folder",
     "read_survey",
+    "sound_of",
 ]
 
 
@@ -78,6 +79,16 @@ def _recording(
     if examined is None:
         return Recording(None, audio, tuple(findings), (), files)
     return Recording(examined.imu, audio, tuple(findings), examined.not_assessed, files)
+
+
+def sound_of(path: Path, options: ImportOptions, survey: Survey) -> AudioSource | None:
+    """Return the sound of the recording at ``path`` alone, as the import will open it; None where there is none.
+
+    Raises:
+        LeaklineError: as :func:`import_folder`.
+    """
+    sounds = options.audio_files or pick_audio(folder_of(path), files_of(path), survey.audio)[0]
+    return _open_sound(sounds, options, survey)[0]
 
 
 def _open_sound(

@@ -128,6 +128,7 @@ class CoarseTiles:
         count = int(min(_MOST_WINDOWS, max(1, source.frames // self._grid.hop)))
         self._centres = (np.arange(count) + 0.5) * source.frames / count  # samples
         self._read = np.zeros(count, np.bool_)
+        self._hurried = 0  # answers that had to leave out some windows
         self._stored = {plane: np.zeros((count, self._grid.picture_bins), np.uint8) for plane in PLANES}
 
     @property
@@ -156,9 +157,9 @@ class CoarseTiles:
         return self._source.duration_s
 
     @property
-    def is_complete(self) -> bool:
-        """Whether it can become no finer."""
-        return self._growing.tiles is not None
+    def known(self) -> float:
+        """A number that grows when answers become finer: the pass went on, or not all was read that was asked for."""
+        return self._growing.share + self._hurried
 
     def columns(self, start_s: float, end_s: float, columns: int, plane: str = "max") -> Bytes:
         """Return uint8 (bins, columns) between seconds: as finely as it is known by now; 0 outside.
@@ -194,11 +195,12 @@ class CoarseTiles:
         with self._lock:
             places = np.clip(centres * (len(self._centres) / self._source.frames), 0, len(self._centres) - 1)
             wanted = places.astype(np.intp)
-            self._fill(self._centres, self._read, self._stored, np.unique(wanted))
+            if not self._fill(self._centres, self._read, self._stored, np.unique(wanted)):
+                self._hurried += 1
             return self._stored[plane][_nearest(np.flatnonzero(self._read), wanted)]
 
-    def _fill(self, centres: FloatArray, read: npt.NDArray[np.bool_], out: dict[str, Bytes], wanted: Indices) -> None:
-        """Read the windows ``wanted`` into ``out`` until one would wait too long, and mark them."""
+    def _fill(self, centres: FloatArray, read: npt.NDArray[np.bool_], out: dict[str, Bytes], wanted: Indices) -> bool:
+        """Read the windows ``wanted`` into ``out`` until one would wait too long, and mark them; True if all are."""
         until_s = time.monotonic() + _PATIENCE_S
         todo = wanted[_widest_gaps_first(len(wanted))]
         todo = todo[~read[todo]]
@@ -210,8 +212,9 @@ class CoarseTiles:
                 by_row = power.reshape(len(some), self._grid.picture_bins, self._grid.bins_pooled)
                 out["max"][some], out["mean"][some] = to_tile(by_row.max(axis=2)), to_tile(by_row.mean(axis=2))
                 read[some] = True
-                if time.monotonic() > until_s:
-                    return
+                if time.monotonic() > until_s and first + _AT_ONCE < len(todo):
+                    return False
+        return True
 
     def _cut(self, reader: AudioReader, centre: int) -> npt.NDArray[np.float32]:
         size, frames = self._grid.window, self._source.frames

@@ -65,11 +65,16 @@ def test_what_lies_outside_is_empty_and_what_is_close_is_exact(source, finished)
 def test_a_slow_disc_gives_a_rough_picture_that_becomes_finer_each_time(source, monkeypatch):
     monkeypatch.setattr(coarse, "_PATIENCE_S", 0.0)  # sixteen windows an answer
     tiles = CoarseTiles(source, GrowingPass())
+    known = tiles.known
     kinds = [len(np.unique(tiles.columns(0, SECONDS, 256), axis=1).T) for _ in range(17)]
     assert kinds[0] <= 16
     assert kinds[1] <= 32
     assert kinds[-1] >= 250
     assert kinds == sorted(kinds)
+    assert tiles.known > known  # so one asks again
+    settled = tiles.known
+    tiles.columns(0, SECONDS, 256)
+    assert tiles.known == settled
 
 
 def test_finished_columns_take_the_place_of_the_first_look(source, finished, tmp_path):
@@ -99,7 +104,6 @@ def test_finished_columns_take_the_place_of_the_first_look(source, finished, tmp
     growing.finished(result)
     reader.join(10)
     assert (asked[0] == fine).all()
-    assert tiles.is_complete
     assert growing.share == 1.0
 
 
