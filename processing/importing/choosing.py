@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
-from processing.importing import delimited, frame_log, registry
+from processing.importing import delimited, frame_log, registry, ximu3_stream
 from processing.importing.column_mapping import MappingStore
 from processing.importing.options import ImportOptions
 from processing.importing.raw import RawImu, ReadContext
@@ -19,6 +19,7 @@ MAX_FILES = 2000
 MIN_LOG_COLUMNS = 6
 MIN_LOG_ROWS = 40
 _TEXT_SUFFIXES = frozenset({".csv", ".txt", ".log", ".tsv", ".dat", ".asc", ".tab", ".prn", ""})
+_BINARY_SUFFIXES = frozenset({frame_log.SUFFIX, ximu3_stream.SUFFIX})
 _OWN_FOLDERS = frozenset({"exports", "cache", "backups", "recordings"})
 
 
@@ -111,7 +112,7 @@ def choose_imu(folder: Path, files: tuple[Path, ...]) -> tuple[Path | None, tupl
     by_contract = next((f for f in files if f.parent == folder and f.name.casefold() == "imu.csv"), None)
     if by_contract is not None:
         return by_contract, ()
-    logs = [f for f in files if (is_text(f) or f.suffix.casefold() == frame_log.SUFFIX) and not is_audio(f)]
+    logs = [f for f in files if (is_text(f) or f.suffix.casefold() in _BINARY_SUFFIXES) and not is_audio(f)]
     ranked = [(matches[0].confidence, f) for f in logs if (matches := matches_of(f))]
     if not ranked:
         return _unknown_log(files), ()

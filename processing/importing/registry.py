@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError
-from processing.importing import frame_log, generic, neutral, phone, printed_log, xio, xsens
+from processing.importing import frame_log, generic, neutral, phone, printed_log, ximu3_stream, xio, xsens
 from processing.importing.column_mapping import ColumnMapping
 from processing.importing.raw import RawImu, ReadContext
 from processing.importing.text_layout import TextLayout, find_layout, read_head
@@ -35,6 +35,7 @@ FORMATS: tuple[Format, ...] = (
     Format("neutral", "Leakline imu.csv", neutral.sniff, neutral.read, neutral.mapping_of),
     Format("frames", "Leakline binary frames (.lkf)", frame_log.sniff, frame_log.read),
     Format("printed", "Printed log of the P0/P3 recorder", printed_log.sniff, printed_log.read),
+    Format("ximu3", "xio x-IMU3 stream (.ximu3)", ximu3_stream.sniff, ximu3_stream.read),
     Format("xio", "xio x-IMU3, NGIMU, Gait-Tracking CSV", xio.sniff, xio.read, xio.mapping_of),
     Format("xsens", "Xsens MT Manager text, DOT CSV", xsens.sniff, xsens.read, xsens.mapping_of),
     Format("phone", "Phone: phyphox, Sensor Logger CSV", phone.sniff, phone.read),
