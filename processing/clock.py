@@ -55,7 +55,7 @@ def align(
         return _given(told) if given else _assumed(told, 0.0, settings)
     period_s = 1.0 / imu.sample_rate_hz
     felt = imu_events(imu)
-    felt = Events(felt.time_s - settings.imu_delay_periods * period_s, felt.strength)
+    felt = Events(felt.time_s - settings.imu_delay_periods * period_s - settings.contact_s, felt.strength)
     progress.update(0.4)
     heard = audio_events(scan)
     progress.update(0.6)

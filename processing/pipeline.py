@@ -58,7 +58,7 @@ VERSIONS = {
     "evidence": 2,
     "track": 8,
     "scan": 2,
-    "clock": 2,
+    "clock": 3,
     "candidates": 2,
 }
 

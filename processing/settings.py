@@ -218,6 +218,9 @@ class ClockSettings:
     imu_delay_periods: float = tunable(
         0.7, "sample periods", 0.0, 10.0, "delay of a second-order filter at a third of the rate"
     )
+    contact_s: float = tunable(
+        0.0025, "s", 0.0, 0.02, "half of how long a blow lasts: the middle of its force comes after its first sound"
+    )
     assumed_start_sigma_s: float = tunable(1.0, "s", 0.01, 60.0, "how far apart recorders start that nobody aligned")
     assumed_drift_sigma_ppm: float = tunable(30.0, "ppm", 1.0, 200.0, "typical difference of two crystals")
 

@@ -15,7 +15,7 @@ from processing.sound.source import open_audio
 from processing.survey import AudioInfo, ClockMap, ImuSamples
 
 RATE, IMU_RATE = 8000, 200.0
-SETTINGS = ClockSettings(imu_delay_periods=0.0)  # the simulated sensor below delays nothing
+SETTINGS = ClockSettings(imu_delay_periods=0.0, contact_s=0.0)  # the simulated sensor below delays nothing
 NOTHING_TOLD = AudioInfo()
 TAPS = np.array([0.0, 1.0, 2.0, 5.0, 6.0, 8.0])
 
