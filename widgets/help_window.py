@@ -65,7 +65,14 @@ class HelpWindow(QDialog):
         )
         items = "".join(f"<li>{escape(step)}</li>" for step in steps)
         saved = self.tr("Everything is saved at once. You may close the laptop at any moment.")
-        return f"<h2>{escape(self.tr('From folder to report'))}</h2><ol>{items}</ol><p>{escape(saved)}</p>"
+        fixed = self.tr(
+            "Two fixed sensors either side of a leak: Ctrl+K opens the correlator. Drop both recordings on it, say what "
+            "pipe lies between them, and read the leak's place; tap on the pipe beyond a sensor to measure the speed."
+        )
+        return (
+            f"<h2>{escape(self.tr('From folder to report'))}</h2><ol>{items}</ol><p>{escape(saved)}</p>"
+            f"<p>{escape(fixed)}</p>"
+        )
 
     def show_guide(self, keys_html: str) -> None:
         """Show the guide with the key sheet below it."""

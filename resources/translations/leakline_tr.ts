@@ -76,6 +76,10 @@
         <translation>Onayla</translation>
     </message>
     <message>
+        <source>Correlator</source>
+        <translation>Korelatör</translation>
+    </message>
+    <message>
         <source>Cursor back</source>
         <translation>İmleci geri al</translation>
     </message>
@@ -126,6 +130,10 @@
     <message>
         <source>Files, findings, form and tie points</source>
         <translation>Dosyalar, bulgular, form ve bağlama noktaları</translation>
+    </message>
+    <message>
+        <source>Find a leak between two fixed sensors from their recordings</source>
+        <translation>İki sabit algılayıcının kayıtlarından aralarındaki kaçağı bulun</translation>
     </message>
     <message>
         <source>Full screen</source>
@@ -352,6 +360,10 @@
         <translation>İmlecin çevresinde iki katını gösterir (Ctrl ve tekerlek de olur)</translation>
     </message>
     <message>
+        <source>Show what speaks for and against a leak here, or the list again</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Slower</source>
         <translation type="unfinished"></translation>
     </message>
@@ -409,6 +421,10 @@
     </message>
     <message>
         <source>Which band is heard</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Why a leak</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -609,55 +625,55 @@
     <name>ClockBox</name>
     <message>
         <source>B began later by (ms)</source>
-        <translation type="unfinished"></translation>
+        <translation>B şu kadar geç başladı (ms)</translation>
     </message>
     <message>
         <source>B runs fast by (ppm)</source>
-        <translation type="unfinished"></translation>
+        <translation>B şu kadar hızlı (ppm)</translation>
     </message>
     <message>
         <source>Both were knocked together</source>
-        <translation type="unfinished"></translation>
+        <translation>İkisine birlikte vuruldu</translation>
     </message>
     <message>
         <source>By taps beyond both ends</source>
-        <translation type="unfinished"></translation>
+        <translation>İki ucun ötesindeki vuruşlarla</translation>
     </message>
     <message>
         <source>Clocks</source>
-        <translation type="unfinished"></translation>
+        <translation>Saatler</translation>
     </message>
     <message>
         <source>Find the knocks in the stretch</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçili aralıktaki vuruşları bul</translation>
     </message>
     <message>
         <source>Hold both recorders in one hand, knock five times, irregularly; choose that stretch and press here</source>
-        <translation type="unfinished"></translation>
+        <translation>İki kaydediciyi bir elde tutup düzensiz aralıklarla beş kez vurun; o aralığı seçip buraya basın</translation>
     </message>
     <message>
         <source>How much faster B's clock runs; what remains is found from the sound itself</source>
-        <translation type="unfinished"></translation>
+        <translation>B saatinin ne kadar hızlı gittiği; kalanı sesin kendisinden bulunur</translation>
     </message>
     <message>
         <source>How the clocks relate</source>
-        <translation type="unfinished"></translation>
+        <translation>Saatlerin ilişkisi</translation>
     </message>
     <message>
         <source>One clock: one recorder, or radio or GPS time</source>
-        <translation type="unfinished"></translation>
+        <translation>Tek saat: tek kaydedici ya da telsiz/GPS saati</translation>
     </message>
     <message>
         <source>The offset is known</source>
-        <translation type="unfinished"></translation>
+        <translation>Saat farkı biliniyor</translation>
     </message>
     <message>
         <source>Unknown: delay only, no place</source>
-        <translation type="unfinished"></translation>
+        <translation>Bilinmiyor: yalnız gecikme, yer yok</translation>
     </message>
     <message>
         <source>±</source>
-        <translation type="unfinished"></translation>
+        <translation>±</translation>
     </message>
 </context>
 <context>
@@ -694,39 +710,39 @@
     <name>CoherencePlot</name>
     <message>
         <source>Coherence and band</source>
-        <translation type="unfinished"></translation>
+        <translation>Uyum ve bant</translation>
     </message>
     <message>
         <source>Drag the band or its edges. By key: left and right move it, up and down widen it.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bandı ya da kenarlarını sürükleyin. Tuşlarla: sol ve sağ kaydırır, yukarı ve aşağı genişletip daraltır.</translation>
     </message>
     <message>
         <source>Here stands at which frequencies both sensors hear the same.</source>
-        <translation type="unfinished"></translation>
+        <translation>İki algılayıcının hangi frekanslarda aynı sesi duyduğu burada görünür.</translation>
     </message>
     <message>
         <source>chance (99 %)</source>
-        <translation type="unfinished"></translation>
+        <translation>rastlantı (%99)</translation>
     </message>
     <message>
         <source>coherence</source>
-        <translation type="unfinished"></translation>
+        <translation>uyum</translation>
     </message>
     <message>
         <source>frequency (Hz)</source>
-        <translation type="unfinished"></translation>
+        <translation>frekans (Hz)</translation>
     </message>
     <message>
         <source>level A</source>
-        <translation type="unfinished"></translation>
+        <translation>A düzeyi</translation>
     </message>
     <message>
         <source>level B</source>
-        <translation type="unfinished"></translation>
+        <translation>B düzeyi</translation>
     </message>
     <message>
         <source>{hertz} Hz · coherence {value} · A {a} dB · B {b} dB</source>
-        <translation type="unfinished"></translation>
+        <translation>{hertz} Hz · uyum {value} · A {a} dB · B {b} dB</translation>
     </message>
 </context>
 <context>
@@ -878,288 +894,291 @@
     <name>CorrelationPlot</name>
     <message>
         <source>Choose the recordings of sensor A and sensor B, and say what pipe lies between them.</source>
-        <translation type="unfinished"></translation>
+        <translation>A ve B algılayıcılarının kayıtlarını seçin ve aralarındaki boruyu girin.</translation>
     </message>
     <message>
         <source>Click a peak to choose it. Wheel zooms, drag moves, F shows all.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir tepeyi seçmek için tıklayın. Tekerlek yakınlaştırır, sürükleme kaydırır, F tümünü gösterir.</translation>
     </message>
     <message>
         <source>Correlation along the pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Boru boyunca korelasyon</translation>
     </message>
     <message>
         <source>chance (99 %)</source>
-        <translation type="unfinished"></translation>
+        <translation>rastlantı (%99)</translation>
     </message>
     <message>
         <source>correlation</source>
-        <translation type="unfinished"></translation>
+        <translation>korelasyon</translation>
     </message>
     <message>
         <source>delay of B (ms)</source>
-        <translation type="unfinished"></translation>
+        <translation>B'nin gecikmesi (ms)</translation>
     </message>
     <message>
         <source>envelope</source>
-        <translation type="unfinished"></translation>
+        <translation>zarf</translation>
     </message>
     <message>
         <source>metres from sensor A</source>
-        <translation type="unfinished"></translation>
+        <translation>A algılayıcısından uzaklık (m)</translation>
     </message>
     <message>
         <source>taken out</source>
-        <translation type="unfinished"></translation>
+        <translation>bastırıldı</translation>
     </message>
     <message>
         <source>{metres} m from A · {delay} ms · correlation {value}</source>
-        <translation type="unfinished"></translation>
+        <translation>A'dan {metres} m · {delay} ms · korelasyon {value}</translation>
     </message>
 </context>
 <context>
     <name>CorrelatorControl</name>
     <message>
-        <source>Clock offset {offset} ms.</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
         <source>Comparing…</source>
-        <translation type="unfinished"></translation>
+        <translation>Karşılaştırılıyor…</translation>
     </message>
     <message>
         <source>Correlator</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <source>Enter at which metre from A you tapped.</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <source>Looking for the knocks</source>
-        <translation type="unfinished"></translation>
+        <translation>Korelatör</translation>
     </message>
     <message>
         <source>No result</source>
-        <translation type="unfinished"></translation>
+        <translation>Sonuç yok</translation>
     </message>
     <message>
         <source>Nothing can be played: {reason}</source>
-        <translation type="unfinished"></translation>
+        <translation>Ses çalınamıyor: {reason}</translation>
     </message>
     <message>
         <source>Stopped</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <source>{speed} ± {sigma} m/s, taken over.</source>
-        <translation type="unfinished"></translation>
+        <translation>Durduruldu</translation>
     </message>
 </context>
 <context>
     <name>CorrelatorFiles</name>
     <message>
         <source>All files</source>
-        <translation type="unfinished"></translation>
+        <translation>Tüm dosyalar</translation>
     </message>
     <message>
         <source>Correlation</source>
-        <translation type="unfinished"></translation>
+        <translation>Korelasyon</translation>
     </message>
     <message>
         <source>Export</source>
-        <translation type="unfinished"></translation>
+        <translation>Dışa aktar</translation>
     </message>
     <message>
         <source>Open a correlation</source>
-        <translation type="unfinished"></translation>
+        <translation>Korelasyon aç</translation>
     </message>
     <message>
         <source>Recording of sensor A</source>
-        <translation type="unfinished"></translation>
+        <translation>A algılayıcısının kaydı</translation>
     </message>
     <message>
         <source>Recording of sensor B</source>
-        <translation type="unfinished"></translation>
+        <translation>B algılayıcısının kaydı</translation>
     </message>
     <message>
         <source>Save the correlation</source>
-        <translation type="unfinished"></translation>
+        <translation>Korelasyonu kaydet</translation>
     </message>
     <message>
         <source>Sound</source>
-        <translation type="unfinished"></translation>
+        <translation>Ses</translation>
     </message>
     <message>
         <source>Written: {name}</source>
-        <translation type="unfinished"></translation>
+        <translation>Yazıldı: {name}</translation>
+    </message>
+</context>
+<context>
+    <name>CorrelatorMeasuring</name>
+    <message>
+        <source>Clock offset {offset} ms.</source>
+        <translation>Saat farkı {offset} ms.</translation>
+    </message>
+    <message>
+        <source>Enter at which metre from A you tapped.</source>
+        <translation>A'dan kaç metrede vurduğunuzu girin.</translation>
+    </message>
+    <message>
+        <source>Looking for the knocks</source>
+        <translation>Vuruşlar aranıyor</translation>
+    </message>
+    <message>
+        <source>{speed} ± {sigma} m/s, taken over.</source>
+        <translation>{speed} ± {sigma} m/s, boruya yazıldı.</translation>
     </message>
 </context>
 <context>
     <name>CorrelatorPage</name>
     <message>
         <source>?</source>
-        <translation type="unfinished"></translation>
+        <translation>?</translation>
     </message>
     <message>
         <source>A in the left ear, B in the right</source>
-        <translation type="unfinished"></translation>
+        <translation>A sol kulakta, B sağ kulakta</translation>
     </message>
     <message>
         <source>At which frequency the speeds of the sections hold; empty: not known</source>
-        <translation type="unfinished"></translation>
+        <translation>Kesimlerdeki hızların geçerli olduğu frekans; boş: bilinmiyor</translation>
     </message>
     <message>
         <source>Auto band</source>
-        <translation type="unfinished"></translation>
+        <translation>Otomatik bant</translation>
     </message>
     <message>
         <source>Band (Hz)</source>
-        <translation type="unfinished"></translation>
+        <translation>Bant (Hz)</translation>
     </message>
     <message>
         <source>Band only</source>
-        <translation type="unfinished"></translation>
+        <translation>Yalnız bant</translation>
     </message>
     <message>
         <source>Coherence</source>
-        <translation type="unfinished"></translation>
+        <translation>Uyum</translation>
     </message>
     <message>
         <source>Dispersion</source>
-        <translation type="unfinished"></translation>
+        <translation>Dağılım</translation>
     </message>
     <message>
         <source>Divide resonances</source>
-        <translation type="unfinished"></translation>
+        <translation>Rezonansları böl</translation>
     </message>
     <message>
-        <source>Exchange the two recordings</source>
-        <translation type="unfinished"></translation>
+        <source>Exchange the recordings of A and B</source>
+        <translation>A ve B kayıtlarını değiş tokuş et</translation>
     </message>
     <message>
         <source>Export…</source>
-        <translation type="unfinished"></translation>
+        <translation>Dışa aktar…</translation>
     </message>
     <message>
         <source>Hear A</source>
-        <translation type="unfinished"></translation>
+        <translation>A'yı dinle</translation>
     </message>
     <message>
         <source>Hear B</source>
-        <translation type="unfinished"></translation>
+        <translation>B'yi dinle</translation>
     </message>
     <message>
         <source>Hear both</source>
-        <translation type="unfinished"></translation>
+        <translation>İkisini dinle</translation>
     </message>
     <message>
         <source>How much each frequency counts</source>
-        <translation type="unfinished"></translation>
+        <translation>Her frekansın ne kadar sayıldığı</translation>
     </message>
     <message>
         <source>Leave out narrow tones: mains hum, pumps</source>
-        <translation type="unfinished"></translation>
+        <translation>Dar tonları dışarıda bırak: şebeke uğultusu, pompalar</translation>
     </message>
     <message>
         <source>Let the speed grow with frequency as the phase shows it</source>
-        <translation type="unfinished"></translation>
+        <translation>Hız, fazın gösterdiği kadar frekansla artsın</translation>
     </message>
     <message>
         <source>Listen to sensor A</source>
-        <translation type="unfinished"></translation>
+        <translation>A algılayıcısını dinle</translation>
     </message>
     <message>
         <source>Listen to sensor B</source>
-        <translation type="unfinished"></translation>
+        <translation>B algılayıcısını dinle</translation>
     </message>
     <message>
         <source>Method</source>
-        <translation type="unfinished"></translation>
+        <translation>Yöntem</translation>
     </message>
     <message>
         <source>No hum</source>
-        <translation type="unfinished"></translation>
+        <translation>Uğultusuz</translation>
     </message>
     <message>
         <source>Open a saved correlation</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaydedilmiş bir korelasyonu aç</translation>
     </message>
     <message>
         <source>Open…</source>
-        <translation type="unfinished"></translation>
+        <translation>Aç…</translation>
     </message>
     <message>
         <source>Over time</source>
-        <translation type="unfinished"></translation>
+        <translation>Zaman içinde</translation>
     </message>
     <message>
         <source>Phase</source>
-        <translation type="unfinished"></translation>
+        <translation>Faz</translation>
     </message>
     <message>
         <source>Pipe from A to B</source>
-        <translation type="unfinished"></translation>
+        <translation>A'dan B'ye boru</translation>
     </message>
     <message>
         <source>Put back</source>
-        <translation type="unfinished"></translation>
+        <translation>Geri al</translation>
     </message>
     <message>
         <source>Put back the peak that was taken out last</source>
-        <translation type="unfinished"></translation>
+        <translation>Son bastırılan tepeyi geri al</translation>
     </message>
     <message>
         <source>Remove the chosen peak and show the next</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçili tepeyi kaldır ve sonrakini göster</translation>
     </message>
     <message>
         <source>Save recordings, pipe and choices as a small file</source>
-        <translation type="unfinished"></translation>
+        <translation>Kayıtları, boruyu ve seçimleri küçük bir dosyaya kaydet</translation>
     </message>
     <message>
         <source>Save…</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaydet…</translation>
     </message>
     <message>
         <source>Sensor A</source>
-        <translation type="unfinished"></translation>
+        <translation>A algılayıcısı</translation>
     </message>
     <message>
         <source>Sensor B</source>
-        <translation type="unfinished"></translation>
+        <translation>B algılayıcısı</translation>
     </message>
     <message>
-        <source>Swap A and B</source>
-        <translation type="unfinished"></translation>
+        <source>Swap</source>
+        <translation>A ⇄ B</translation>
     </message>
     <message>
         <source>Take out the ringing of one sensor or its fitting</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir algılayıcının ya da bağlantısının çınlamasını gider</translation>
     </message>
     <message>
         <source>Take peak out</source>
-        <translation type="unfinished"></translation>
+        <translation>Tepeyi bastır</translation>
     </message>
     <message>
         <source>Use the frequencies in which both hear the same</source>
-        <translation type="unfinished"></translation>
+        <translation>İkisinin aynı sesi duyduğu frekansları kullan</translation>
     </message>
     <message>
         <source>Weighting</source>
-        <translation type="unfinished"></translation>
+        <translation>Ağırlık</translation>
     </message>
     <message>
         <source>Write the page as PDF, the curve as CSV, all as JSON</source>
-        <translation type="unfinished"></translation>
+        <translation>Sayfayı PDF, eğriyi CSV, tümünü JSON olarak yaz</translation>
     </message>
     <message>
         <source>speeds hold at (Hz)</source>
-        <translation type="unfinished"></translation>
+        <translation>hızların frekansı (Hz)</translation>
     </message>
     <message>
         <source>what it is: draw-off, echo …</source>
-        <translation type="unfinished"></translation>
+        <translation>ne olduğu: su kullanımı, yankı …</translation>
     </message>
 </context>
 <context>
@@ -1268,6 +1287,21 @@
     <message>
         <source>{level} dB above its surroundings from {low} to {high}, {width} m wide.</source>
         <translation>{low} – {high} arasında çevresinden {level} dB yüksek, {width} m boyunca.</translation>
+    </message>
+</context>
+<context>
+    <name>EvidencePanel</name>
+    <message>
+        <source>Dot: here. Bar: {count} places elsewhere (half within). + speaks for a leak, − against.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Level over the surroundings; blue: 95 % of them</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Rise and fall along the pipe, with the fit</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1409,6 +1443,21 @@
     </message>
 </context>
 <context>
+    <name>FirstSound</name>
+    <message>
+        <source>A first look at the sound</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>A first look at the sound: one moment here and there, until it is processed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Still listening, {percent} %: beyond that it is a first look, one moment here and there</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>HelpControl</name>
     <message>
         <source>Help</source>
@@ -1460,6 +1509,10 @@
     <message>
         <source>Press Enter for a note. Ctrl+Z takes back whatever you did.</source>
         <translation>Not için Enter'a basın. Ctrl+Z yaptığınız her şeyi geri alır.</translation>
+    </message>
+    <message>
+        <source>Two fixed sensors either side of a leak: Ctrl+K opens the correlator. Drop both recordings on it, say what pipe lies between them, and read the leak's place; tap on the pipe beyond a sensor to measure the speed.</source>
+        <translation>Kaçağın iki yanında iki sabit algılayıcı varsa: Ctrl+K korelatörü açar. İki kaydı üzerine bırakın, aralarındaki boruyu girin ve kaçağın yerini okuyun; hızı ölçmek için bir algılayıcının ötesinde boruya vurun.</translation>
     </message>
 </context>
 <context>
@@ -1738,27 +1791,27 @@
     <name>PartsPlot</name>
     <message>
         <source>Delay in each part of the recording</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaydın her bölümündeki gecikme</translation>
     </message>
     <message>
         <source>Here stands whether the sound is there all the time.</source>
-        <translation type="unfinished"></translation>
+        <translation>Sesin sürekli var olup olmadığı burada görünür.</translation>
     </message>
     <message>
         <source>delay (ms)</source>
-        <translation type="unfinished"></translation>
+        <translation>gecikme (ms)</translation>
     </message>
     <message>
         <source>heard</source>
-        <translation type="unfinished"></translation>
+        <translation>duyuldu</translation>
     </message>
     <message>
         <source>not heard</source>
-        <translation type="unfinished"></translation>
+        <translation>duyulmadı</translation>
     </message>
     <message>
         <source>seconds of the recording</source>
-        <translation type="unfinished"></translation>
+        <translation>kaydın saniyeleri</translation>
     </message>
 </context>
 <context>
@@ -1792,81 +1845,81 @@
     <name>PhasePlot</name>
     <message>
         <source>Phase beside the fitted line</source>
-        <translation type="unfinished"></translation>
+        <translation>Uydurulan doğrunun yanında kalan faz</translation>
     </message>
     <message>
         <source>Too few frequencies agree for a fit of the phase.</source>
-        <translation type="unfinished"></translation>
+        <translation>Faza doğru uydurmak için uyuşan frekans çok az.</translation>
     </message>
     <message>
         <source>frequency (Hz)</source>
-        <translation type="unfinished"></translation>
+        <translation>frekans (Hz)</translation>
     </message>
     <message>
         <source>phase left (°)</source>
-        <translation type="unfinished"></translation>
+        <translation>kalan faz (°)</translation>
     </message>
 </context>
 <context>
     <name>PipeSketch</name>
     <message>
         <source>Sketch of the pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Borunun çizimi</translation>
     </message>
     <message>
         <source>{length} m {material}, {speed} m/s</source>
-        <translation type="unfinished"></translation>
+        <translation>{length} m {material}, {speed} m/s</translation>
     </message>
     <message>
         <source>{metres} m</source>
-        <translation type="unfinished"></translation>
+        <translation>{metres} m</translation>
     </message>
 </context>
 <context>
     <name>PipeTable</name>
     <message>
         <source>A to B (m)</source>
-        <translation type="unfinished"></translation>
+        <translation>A–B (m)</translation>
     </message>
     <message>
         <source>Add section</source>
-        <translation type="unfinished"></translation>
+        <translation>Kesim ekle</translation>
     </message>
     <message>
         <source>Length m</source>
-        <translation type="unfinished"></translation>
+        <translation>Uzunluk m</translation>
     </message>
     <message>
         <source>Material</source>
-        <translation type="unfinished"></translation>
+        <translation>Malzeme</translation>
     </message>
     <message>
         <source>Remove last</source>
-        <translation type="unfinished"></translation>
+        <translation>Sonuncuyu sil</translation>
     </message>
     <message>
         <source>Speed m/s</source>
-        <translation type="unfinished"></translation>
+        <translation>Hız m/s</translation>
     </message>
     <message>
         <source>The whole distance from A to B as measured: a check of the sections</source>
-        <translation type="unfinished"></translation>
+        <translation>A'dan B'ye ölçülen toplam uzaklık: kesimlerin denetimi</translation>
     </message>
     <message>
         <source>Wall mm</source>
-        <translation type="unfinished"></translation>
+        <translation>Et mm</translation>
     </message>
     <message>
         <source>not measured</source>
-        <translation type="unfinished"></translation>
+        <translation>ölçülmedi</translation>
     </message>
     <message>
         <source>±</source>
-        <translation type="unfinished"></translation>
+        <translation>±</translation>
     </message>
     <message>
         <source>Ø mm</source>
-        <translation type="unfinished"></translation>
+        <translation>Ø mm</translation>
     </message>
 </context>
 <context>
@@ -2096,27 +2149,27 @@
     <name>RecordingBox</name>
     <message>
         <source>Channel</source>
-        <translation type="unfinished"></translation>
+        <translation>Kanal</translation>
     </message>
     <message>
         <source>Channel {number}</source>
-        <translation type="unfinished"></translation>
+        <translation>Kanal {number}</translation>
     </message>
     <message>
         <source>Choose…</source>
-        <translation type="unfinished"></translation>
+        <translation>Seç…</translation>
     </message>
     <message>
         <source>No file yet: choose one, or drop it here.</source>
-        <translation type="unfinished"></translation>
+        <translation>Henüz dosya yok: seçin ya da buraya bırakın.</translation>
     </message>
     <message>
         <source>{name} and {count} more</source>
-        <translation type="unfinished"></translation>
+        <translation>{name} ve {count} dosya daha</translation>
     </message>
     <message>
         <source>{seconds} s, {rate} Hz</source>
-        <translation type="unfinished"></translation>
+        <translation>{seconds} s, {rate} Hz</translation>
     </message>
 </context>
 <context>
@@ -2277,6 +2330,10 @@
     <message>
         <source>Tie points</source>
         <translation>Bağlama noktaları</translation>
+    </message>
+    <message>
+        <source>Why</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2487,7 +2544,7 @@
     <name>SectionRow</name>
     <message>
         <source>m/s</source>
-        <translation type="unfinished"></translation>
+        <translation>m/s</translation>
     </message>
 </context>
 <context>
@@ -2509,6 +2566,101 @@
     </message>
 </context>
 <context>
+    <name>SpectrogramTools</name>
+    <message>
+        <source> Hz</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Axes, colours</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Choose the colours' range by what is visible</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Contrast</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Drag a rectangle to measure it (else Shift and drag)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Frequencies as the ear hears (mel)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Frequencies by octaves</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Frequencies evenly</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Green colours</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Grey, for print</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak band</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Look for leaks in the usual band</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Lower edge</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Metres along the pipe</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Red colours</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Reset</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Select</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Upper edge</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>What is shown</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Yellow and blue</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>over the background</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>short events</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>steady sounds</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>SpectrogramView</name>
     <message>
         <source>Spectrogram</source>
@@ -2525,6 +2677,139 @@
     <message>
         <source>{level} dB, {over} dB against beside it</source>
         <translation>{level} dB, yanına göre {over} dB</translation>
+    </message>
+</context>
+<context>
+    <name>SpectrumControl</name>
+    <message>
+        <source>A against B over the whole: {level} dB.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>A stands out in {spans}; most, by {level} ± {half} dB, at {hertz}Hz.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>A was passed at {a} m/s, B at {b}: rolling alone may explain about {level} dB.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>A − B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>In no band does A stand out of B by more than chance and a decibel.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measuring …</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save spectrum</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Select a stretch in the spectrogram (Shift and drag), then make it A.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Written: {file}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>around A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>dB</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>dB of full scale a hertz</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{count} multiples of {hertz} Hz in A: a machine, not a leak.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name}: {place}; {seconds} s, {windows} windows</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>SpectrumPanel</name>
+    <message>
+        <source>Average</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>B: around A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Difference A − B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure the selected stretch as A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure the selected stretch as B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure what lies before and after A as B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Same loudness</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save CSV…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save picture…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Selection is A</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Selection is B</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take off by how much A is louder than B as a whole: compare the shapes</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write the numbers</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write the picture</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>with knocks (mean)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>without knocks (median)</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>SpectrumView</name>
+    <message>
+        <source>Spectrum</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2558,19 +2843,19 @@
     <name>StretchBox</name>
     <message>
         <source>Stretch (seconds of A)</source>
-        <translation type="unfinished"></translation>
+        <translation>Aralık (A'nın saniyeleri)</translation>
     </message>
     <message>
         <source>end</source>
-        <translation type="unfinished"></translation>
+        <translation>son</translation>
     </message>
     <message>
         <source>from</source>
-        <translation type="unfinished"></translation>
+        <translation>başlangıç</translation>
     </message>
     <message>
         <source>to</source>
-        <translation type="unfinished"></translation>
+        <translation>bitiş</translation>
     </message>
 </context>
 <context>
@@ -2767,23 +3052,23 @@
     <name>TapBox</name>
     <message>
         <source>At metre</source>
-        <translation type="unfinished"></translation>
+        <translation>Şu metrede</translation>
     </message>
     <message>
         <source>Beyond A</source>
-        <translation type="unfinished"></translation>
+        <translation>A'nın ötesi</translation>
     </message>
     <message>
         <source>Beyond B</source>
-        <translation type="unfinished"></translation>
+        <translation>B'nin ötesi</translation>
     </message>
     <message>
         <source>Measure the speed</source>
-        <translation type="unfinished"></translation>
+        <translation>Hızı ölç</translation>
     </message>
     <message>
         <source>Tap on the pipe beyond a sensor, choose that stretch and its peak, and say where you tapped:</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir algılayıcının ötesinde boruya vurun, o aralığı ve tepesini seçip nerede vurduğunuzu belirtin:</translation>
     </message>
 </context>
 <context>
