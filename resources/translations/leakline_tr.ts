@@ -41,7 +41,7 @@
     </message>
     <message>
         <source>All of the sound, the leak band, or the band of the selected candidate</source>
-        <translation type="unfinished"></translation>
+        <translation>Sesin tamamı, kaçak bandı ya da seçili adayın bandı</translation>
     </message>
     <message>
         <source>Bring the cursor and all views to the selected candidate</source>
@@ -161,11 +161,11 @@
     </message>
     <message>
         <source>Half and quarter speed at the same pitch, then full speed again</source>
-        <translation type="unfinished"></translation>
+        <translation>Aynı perdede yarım ve çeyrek hız, sonra yeniden tam hız</translation>
     </message>
     <message>
         <source>Hear and see the sound without the noise of the ball's own rolling, or as it was recorded</source>
-        <translation type="unfinished"></translation>
+        <translation>Sesi topun kendi yuvarlanma gürültüsü olmadan ya da kaydedildiği gibi dinleyin ve görün</translation>
     </message>
     <message>
         <source>Help</source>
@@ -285,7 +285,7 @@
     </message>
     <message>
         <source>Play selection in a loop</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçimi tekrar tekrar çal</translation>
     </message>
     <message>
         <source>Play the selected candidate again and again, with two seconds of lead-in</source>
@@ -297,7 +297,7 @@
     </message>
     <message>
         <source>Play what is selected in the sound again and again; without a selection, the candidate</source>
-        <translation type="unfinished"></translation>
+        <translation>Seste seçili olanı tekrar tekrar çalar; seçim yoksa adayı</translation>
     </message>
     <message>
         <source>Previous candidate</source>
@@ -313,7 +313,7 @@
     </message>
     <message>
         <source>Raw or cleaned</source>
-        <translation type="unfinished"></translation>
+        <translation>Ham ya da temizlenmiş</translation>
     </message>
     <message>
         <source>Redo</source>
@@ -365,7 +365,7 @@
     </message>
     <message>
         <source>Slower</source>
-        <translation type="unfinished"></translation>
+        <translation>Yavaşlat</translation>
     </message>
     <message>
         <source>Sound page</source>
@@ -421,7 +421,7 @@
     </message>
     <message>
         <source>Which band is heard</source>
-        <translation type="unfinished"></translation>
+        <translation>Hangi bant duyulsun</translation>
     </message>
     <message>
         <source>Why a leak</source>
@@ -610,15 +610,15 @@
     <name>CleaningControl</name>
     <message>
         <source>Learning the noise of rolling</source>
-        <translation type="unfinished"></translation>
+        <translation>Yuvarlanma gürültüsü öğreniliyor</translation>
     </message>
     <message>
         <source>rolling noise {change} dB, {turns} turns/s</source>
-        <translation type="unfinished"></translation>
+        <translation>yuvarlanma gürültüsü {change} dB, {turns} tur/sn</translation>
     </message>
     <message>
         <source>{count} bumps ducked, {felt} of them felt</source>
-        <translation type="unfinished"></translation>
+        <translation>{count} darbe kısıldı, {felt} tanesini ivmeölçer de hissetti</translation>
     </message>
 </context>
 <context>
@@ -1926,23 +1926,23 @@
     <name>PlaybackBar</name>
     <message>
         <source>All of it</source>
-        <translation type="unfinished"></translation>
+        <translation>Sesin tamamı</translation>
     </message>
     <message>
         <source>Candidate's band</source>
-        <translation type="unfinished"></translation>
+        <translation>Adayın bandı</translation>
     </message>
     <message>
         <source>Cleaned</source>
-        <translation type="unfinished"></translation>
+        <translation>Temizlenmiş</translation>
     </message>
     <message>
         <source>How fast it is heard, at the same pitch (S)</source>
-        <translation type="unfinished"></translation>
+        <translation>Ne hızda duyulsun, aynı perdede (S)</translation>
     </message>
     <message>
         <source>Leak band</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak bandı</translation>
     </message>
     <message>
         <source>Loop candidate</source>
@@ -1966,7 +1966,7 @@
     </message>
     <message>
         <source>Raw sound, or without the noise of the ball's own rolling, in sound and picture (A)</source>
-        <translation type="unfinished"></translation>
+        <translation>Ham ses ya da topun kendi yuvarlanma gürültüsü olmadan, seste ve görüntüde (A)</translation>
     </message>
     <message>
         <source>Volume</source>
@@ -1974,7 +1974,7 @@
     </message>
     <message>
         <source>What is heard (B)</source>
-        <translation type="unfinished"></translation>
+        <translation>Ne duyulsun (B)</translation>
     </message>
 </context>
 <context>
