@@ -41,6 +41,8 @@ from app.review_control import ReviewControl
 from app.review_page import ReviewPage
 from app.route_control import RouteControl
 from app.settings import PreferencesStore
+from app.spectrogram_control import SpectrogramControl
+from app.spectrum_control import SpectrumControl
 from app.survey_session import SurveySession
 from app.window_memory import WindowMemory
 from processing.errors import LeaklineError
@@ -94,6 +96,10 @@ class MainWindow(QMainWindow):
         self.channels = ChannelControl(self._session, page.tools, page.channels, language, self)
         self.route = RouteControl(
             self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
+        )
+        self.sound_view = SpectrogramControl(self._session, self.review_page, self._preferences, self)
+        self.spectrum = SpectrumControl(
+            self._session, self.review_page.spectrogram, self.review_page.spectrum, language, self
         )
         self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
         self.correlator = CorrelatorEntry(
@@ -184,6 +190,8 @@ class MainWindow(QMainWindow):
         self.first_sound.told.connect(lambda text: self.notices.show_listening(text, session))
         self.first_sound.changed.connect(self._on_first_sound)
         self.report.told.connect(self.notices.tell)
+        self.spectrum.told.connect(self.notices.tell)
+        self.spectrum.failed.connect(self.notices.tell_error)
         self.correlator.told.connect(self.notices.tell)
         self.correlator.page_asked.connect(self.show_page)
         self.path.reprocess_asked.connect(lambda: self.files.reprocess(show=self.page))
@@ -228,6 +236,13 @@ class MainWindow(QMainWindow):
     def show_sound(self) -> None:
         """Show the sound page."""
         self.show_page("sound")
+
+    def spectrum_of_selection(self) -> None:
+        """Measure the selection, and bring its spectrum to the front."""
+        if self.page != "sound":
+            self.show_page("sound")
+        self.review_page.tools.choose("spectrum")
+        self.spectrum.use_a()
 
     def show_leaks(self) -> None:
         """Show the leaks page."""
@@ -358,6 +373,7 @@ class MainWindow(QMainWindow):
         """Qt: put what is still being typed on disk; everything else is there already."""
         self.review_page.decision.flush()
         self.player.stop()
+        self.spectrum.forget()
         self.correlator.stop()
         self.cleaning.stop()
         self.notices.stop()

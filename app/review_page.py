@@ -29,7 +29,9 @@ from widgets.playback_bar import PlaybackBar
 from widgets.plot_theme import Theme
 from widgets.profile_view import ProfileView
 from widgets.quality_panel import QualityPanel
+from widgets.spectrogram_tools import SpectrogramTools
 from widgets.spectrogram_view import SpectrogramView
+from widgets.spectrum_panel import SpectrumPanel
 from widgets.tile_source import TileSource
 from widgets.time_cursor import TimeCursor
 from widgets.vocabulary import clock_text, number
@@ -58,6 +60,7 @@ class ReviewPage(QWidget):
         self.profile = ProfileView(cursor, theme)
         self.overview = OverviewStrip(cursor, theme, show_x_axis=False)
         self.spectrogram = SpectrogramView(cursor, theme, show_x_axis=False)
+        self.spectrogram_tools, self.spectrum = SpectrogramTools(), SpectrumPanel(theme)
         self.level = LevelView(cursor, theme)
         self.imu = ImuView(cursor, theme)
         self.table = CandidateTable(theme)
@@ -85,9 +88,13 @@ class ReviewPage(QWidget):
 
     def _lay_out(self) -> None:
         self._maps = _splitter(Qt.Orientation.Vertical, "maps", self.path, self.profile)
-        self._strips = _splitter(
-            Qt.Orientation.Vertical, "strips", self.overview, self.spectrogram, self.level, self.imu
-        )
+        self._sound = QWidget()
+        sound = QVBoxLayout(self._sound)
+        sound.setContentsMargins(0, 0, 0, 0)
+        sound.setSpacing(2)
+        sound.addWidget(self.spectrogram_tools)
+        sound.addWidget(self.spectrogram, 1)
+        self._strips = _splitter(Qt.Orientation.Vertical, "strips", self.overview, self._sound, self.level, self.imu)
         side = QWidget()
         layout = QVBoxLayout(side)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -101,6 +108,7 @@ class ReviewPage(QWidget):
         self.tools.add_tool("quality", self.tr("Quality"), self.quality)
         self.tools.add_tool("clock", self.tr("Clocks"), self.clock, pages=("sound",))
         self.tools.add_tool("channels", self.tr("Channels"), self.channels, pages=("sound",))
+        self.tools.add_tool("spectrum", self.tr("Spectrum"), self.spectrum, pages=("sound",))
         self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, beside, self._side)
         foot = QHBoxLayout()
         foot.addWidget(self.playback, 1)
@@ -125,7 +133,8 @@ class ReviewPage(QWidget):
         self._side.setVisible(not path)
         self.tools.set_page(arrangement)
         self.path.set_compared_visible(path)
-        self.spectrogram.setVisible(not path)
+        self._sound.setVisible(not path)
+        self.spectrogram_tools.setVisible(arrangement == "sound")
         self.imu.setVisible(not leaks)
         self.level.set_x_axis_visible(leaks)
         self.imu.set_x_axis_visible(True)

@@ -31,6 +31,7 @@ class Preferences:
     play_band: str = "whole"  # or leaks, candidate
     play_slow: int = 1  # times as long
     recent_crs: list[str] = field(default_factory=list)  # EPSG codes chosen for routes, newest first
+    sound_view: dict[str, str] = field(default_factory=dict)  # scale, plane, colours and axis of the spectrogram
     correlator_folder: str = ""  # where recordings and sessions of the correlator were last
 
 
@@ -77,7 +78,8 @@ class PreferencesStore:
         kept = {k: v for k, v in found.items() if k in known and isinstance(v, type(known[k]))}
         kept["recent"] = [r for r in kept.get("recent", []) if isinstance(r, str)][:MAX_RECENT]
         kept["recent_crs"] = [c for c in kept.get("recent_crs", []) if isinstance(c, str)][:MAX_RECENT]
-        kept["splitters"] = {k: v for k, v in kept.get("splitters", {}).items() if isinstance(v, str)}
+        for name in ("splitters", "sound_view"):
+            kept[name] = {k: v for k, v in kept.get(name, {}).items() if isinstance(v, str)}
         return Preferences(**kept)
 
 

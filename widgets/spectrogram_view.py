@@ -4,7 +4,6 @@ Shift+drag selects a rectangle, as does a plain drag with the select tool; its e
 common cursor's selection, which all plots show.
 """
 
-
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QWidget
@@ -30,7 +29,7 @@ class SpectrogramView(SoundPicture):
     """The spectrogram of one channel, with the detector's band and a selection."""
 
     band_changed = Signal(float, float)  # Hz, when the operator has let go of a handle
-    band_moving = Signal(float, float)  # Hz, while it is dragged
+    band_shown = Signal(float, float)  # Hz, whenever it is another one, and while it is dragged
     selection_changed = Signal(float, float, float, float)  # start_s, end_s, low_hz, high_hz: when it has been let go
     selection_cleared = Signal()
 
@@ -59,8 +58,9 @@ class SpectrogramView(SoundPicture):
         super().set_source(source)
 
     def set_band(self, low_hz: float, high_hz: float) -> None:
-        """Show the detector's band with handles; emits nothing."""
+        """Show the detector's band with handles; asks nobody to look for leaks in it."""
         self._band_hz = (low_hz, high_hz)
+        self.band_shown.emit(low_hz, high_hz)
         self.invalidate()
 
     def select(self, selection: SoundSelection | None) -> None:
@@ -257,7 +257,7 @@ class SpectrogramView(SoundPicture):
             else:
                 high = max(frequency, low * LEAST_BAND)
             self._band_hz = self._dragged_band_hz = (low, high)
-            self.band_moving.emit(low, high)
+            self.band_shown.emit(low, high)
             self.invalidate()
 
         return drag
