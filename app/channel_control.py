@@ -21,9 +21,14 @@ if TYPE_CHECKING:
     from processing.results import Results
 
 NAME = "channels"
-CHANNELS = ("pressure", "level", "speed")  # processing.conditioning.channels.CHANNELS, without loading it
+CHANNELS = (
+    "pressure",
+    "pressure_level",
+    "level",
+    "speed",
+)  # processing.conditioning.channels.CHANNELS, without loading it
 _MOST_ROWS = {"ekf": 20_000, "ukf": 20_000}  # their models are Python: some seconds of work
-_LEAST = {"kPa": 1.0, "dB": 3.0, "m/s": 0.1}
+_LEAST = {"kPa": 0.3, "dB": 3.0, "m/s": 0.1}
 
 
 class ChannelControl(QObject):

@@ -5,6 +5,7 @@ import math
 from PySide6.QtCore import QCoreApplication
 
 from processing import messages
+from processing.survey import Params
 from widgets.candidate_table import CandidateRow
 from widgets.vocabulary import class_text, clock_text, frequency_text, number
 
@@ -14,6 +15,7 @@ WORTH_SAYING = {
     "faded_db": 3.0,
     "impulsive_share": 0.1,
 }
+RARE = 0.02  # of the places along the pipe: what more of them show is worth no line
 
 
 def evidence_text(row: CandidateRow, language: str) -> str:
@@ -44,8 +46,24 @@ def evidence_text(row: CandidateRow, language: str) -> str:
         value = candidate.evidence.get(key)
         if isinstance(value, float | int) and math.isfinite(value) and value >= least:
             lines.append(messages.text("evidence", key, language, value=value))
+    lines += _pressure_lines(candidate.evidence, language)
     sigmas = [candidate.evidence.get(key) for key in ("sigma_path_m", "sigma_sound_m", "sigma_clock_m")]
     if all(isinstance(sigma, float) and math.isfinite(sigma) for sigma in sigmas):
         path, sound, clock = (number(float(sigma), 2) for sigma in sigmas if sigma is not None)
         lines.append(messages.text("evidence", "sigmas", language, path=path, sound=sound, clock=clock))
     return "\n".join(lines)
+
+
+def _pressure_lines(evidence: Params, language: str) -> list[str]:
+    """Return what the pressure says, where it does what it does at few other places only."""
+    lines = []
+    for key in ("pressure_dip", "pressure_step"):
+        value, p = evidence.get(f"{key}_kpa"), evidence.get(f"{key}_p")
+        if isinstance(value, float) and isinstance(p, float) and p <= RARE:
+            lines.append(
+                messages.text("evidence", key, language, value=abs(value) if key == "pressure_dip" else value, p=p)
+            )
+    near = evidence.get("pressure_transient_s")
+    if isinstance(near, float):
+        lines.append(messages.text("evidence", "pressure_transient_s", language, value=near))
+    return lines

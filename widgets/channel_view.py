@@ -1,7 +1,7 @@
 """A slow channel over the common axis: raw and filtered, what was taken off, and how sure the filtered value is."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
@@ -11,7 +11,7 @@ from widgets.curve_plot import Curve
 from widgets.envelope import EnvelopePyramid
 from widgets.latest_loader import LatestLoader
 from widgets.plot_theme import LIGHT, Theme
-from widgets.strips_view import StripsView, strip_of
+from widgets.strips_view import Strip, StripsView, strip_of
 from widgets.time_cursor import TimeCursor
 
 
@@ -86,6 +86,15 @@ class ChannelView(StripsView):
 
     def _hint(self) -> str:
         return self.tr("Reading …") if self._loader.busy else self.tr("Nothing to show here")
+
+    def _value_lines(self, strip: Strip) -> list[tuple[str, str]]:
+        """Return each curve's label above its value: beside the narrow panel there is no room for both in one line."""
+        plain = replace(strip, labels=())
+        values = super()._value_lines(plain)
+        lines = []
+        for label, line in zip(strip.labels or ("",) * len(values), values, strict=True):
+            lines += [(label, line[1]), line] if label else [line]
+        return lines
 
     def _take(self, built: _Built) -> None:
         self._built = built

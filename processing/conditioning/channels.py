@@ -5,14 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.conditioning.channel import on_grid
-from processing.orientation.binning import BinSums
+from processing.conditioning.transients import KPA_PER_M, pressure_rows
 from processing.sound.scan import SoundScan
 from processing.survey import BoolArray, ClockMap, FloatArray, ImuSamples, Track
 
-CHANNELS = ("pressure", "level", "speed")
-_RATE_HZ = 10.0  # means of this rate hold what a slow channel has to say
-_BLOCK = 500_000
-_MOST_EMPTY_S = 3600.0  # a longer hole in a log is cut short: nothing filters over it
+CHANNELS = ("pressure", "pressure_level", "level", "speed")
+_RATE_HZ = 50.0  # means of this rate hold what a slow channel has to say, and still show how noisy it is
 
 
 @dataclass(frozen=True)
@@ -46,30 +44,26 @@ def channel_series(
 ) -> ChannelSeries | None:
     """Return one of ``CHANNELS``; None where the run has none of it, or fewer than two readings.
 
-    The pressure is the mean of tenths of a second, the level (dBFS) that of the chosen band, the speed the track's.
+    The pressure is the mean of fiftieths of a second, ``pressure_level`` what it is without the path's height, the
+    level (dBFS) that of the chosen band, the speed the track's.
     """
-    if name == "pressure" and imu is not None and imu.pressure_kpa is not None:
-        time_s, values = _pressure(imu, imu.pressure_kpa)
-        return _even("pressure", "kPa", time_s, values, np.ones(len(time_s), np.bool_))
+    if name in ("pressure", "pressure_level") and imu is not None:
+        rows = pressure_rows(imu, _RATE_HZ)
+        if rows is None or (name == "pressure_level" and track is None):
+            return None
+        time_s, values, known = rows.time_s, rows.values_kpa, rows.known
+        if name == "pressure_level" and track is not None:
+            values = values + KPA_PER_M * np.interp(
+                time_s, track.time_s, track.position_w_m[:, 2] - track.position_w_m[0, 2]
+            )
+            known = known & (time_s >= track.time_s[0]) & (time_s <= track.time_s[-1])
+        return _even(name, "kPa", time_s, values, known)
     if name == "level" and scan is not None:
         level = np.asarray(scan.level_db[:, -1], np.float64)
         return _even("level", "dB", clock.to_survey(scan.frame_times_s()), level, np.asarray(scan.state) == 0)
     if name == "speed" and track is not None:
         return _even("speed", "m/s", track.time_s, track.speed_mps, np.isfinite(track.speed_mps))
     return None
-
-
-def _pressure(imu: ImuSamples, pressure_kpa: FloatArray) -> tuple[FloatArray, FloatArray]:
-    width = 1.0 / min(_RATE_HZ, imu.sample_rate_hz)
-    sums = BinSums(float(imu.time_s[0]), width, 2, most_empty=round(_MOST_EMPTY_S / width))
-    for start in range(0, len(imu.time_s), _BLOCK):
-        rows = slice(start, start + _BLOCK)
-        good = imu.valid[rows] & np.isfinite(pressure_kpa[rows])
-        kept = pressure_kpa[rows][good]
-        sums.add(imu.time_s[rows][good], np.column_stack([np.ones(len(kept)), kept]))
-    found = sums.result()
-    some = found.sums[:, 0] > 0
-    return found.start_of[some] + 0.5 * width, found.sums[some, 1] / found.sums[some, 0]
 
 
 def _even(name: str, unit: str, time_s: FloatArray, values: FloatArray, valid: BoolArray) -> ChannelSeries | None:

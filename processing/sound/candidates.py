@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from processing.conditioning.pressure_along import with_pressure
 from processing.errors import ErrorCode, LeaklineError
 from processing.position.distance import NORMAL_95, places_at, times_at
 from processing.progress import Progress, silent
@@ -107,7 +108,9 @@ def find_candidates(
     placed = [_placed(*judging.of(spot), on_path, clock, listening) for spot in spots]
     placed = [candidate for candidate in placed if _worth_showing(candidate, settings)]
     placed.sort(key=lambda candidate: -candidate.score)
-    candidates = tuple(_numbered(candidate, number) for number, candidate in enumerate(placed, 1))
+    witnessed, told = with_pressure(placed, imu, on_path)
+    findings += told
+    candidates = tuple(_numbered(candidate, number) for number, candidate in enumerate(witnessed, 1))
     band = (float(scan.bands_hz[-1, 0]), float(scan.bands_hz[-1, 1]))
     if rolling is not None:
         findings += (Finding("rolling_heard", Severity.INFO, {"share_pct": 100 * rolling.heard_share}),)

@@ -19,7 +19,7 @@ def imu(pressure, rate=200.0):
     return ImuSamples(np.arange(count) / rate, three, three, np.ones(count, bool), pressure_kpa=pressure)
 
 
-def test_the_pressure_is_the_mean_of_tenths_of_a_second_without_what_is_not_valid():
+def test_the_pressure_is_the_mean_of_fiftieths_of_a_second_without_what_is_not_valid():
     time_s = np.arange(4000) / 200.0
     samples = imu(400.0 + time_s)
     valid = np.ones(4000, bool)
@@ -28,10 +28,20 @@ def test_the_pressure_is_the_mean_of_tenths_of_a_second_without_what_is_not_vali
     wild = samples.pressure_kpa.copy()
     wild[~valid] = 1e9
     series = channel_series("pressure", replace(samples, pressure_kpa=wild, valid=valid), None, None, ClockMap())
-    assert series.sample_rate_hz == pytest.approx(10.0)
-    assert not series.valid[52:68].any()
-    np.testing.assert_allclose(series.values[series.valid], 400.0 + series.time_s[series.valid], atol=0.06)
-    assert np.count_nonzero(series.valid) == 180
+    assert series.sample_rate_hz == pytest.approx(50.0)
+    assert not series.valid[252:348].any()
+    np.testing.assert_allclose(series.values[series.valid], 400.0 + series.time_s[series.valid], atol=0.006)
+    assert np.count_nonzero(series.valid) == 898
+
+
+def test_without_the_paths_height_the_pressure_of_a_hill_is_level():
+    track = drift(seed=1, seconds=60.0).track
+    up = 5.0 + 3.0 * np.sin(track.time_s / 9.0)
+    track = replace(track, position_w_m=np.column_stack([track.chainage_m, 0 * up, up]))
+    samples = imu(420.0 - 9.81 * np.interp(np.arange(12_000) / 200.0, track.time_s, up))
+    series = channel_series("pressure_level", samples, track, None, ClockMap())
+    np.testing.assert_allclose(series.values[series.valid], 420.0 - 9.81 * 5.0, atol=0.05)
+    assert channel_series("pressure_level", samples, None, None, ClockMap()) is None
 
 
 def test_level_and_speed_come_on_survey_time():
