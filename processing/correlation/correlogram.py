@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft, signal, stats
+from scipy import fft, signal
 
 from processing.correlation.spectra import OVERLAP_COST, ComplexArray, CrossSpectra
 from processing.survey import FloatArray
@@ -159,10 +159,10 @@ def peaks(correlogram: Correlogram, most: int = 6) -> tuple[Peak, ...]:
     tops, _ = signal.find_peaks(envelope)
     tops = tops[np.argsort(envelope[tops])[::-1]]
     found: list[Peak] = []
-    independent = _independent_delays(correlogram)
+    crossings = _zero_crossings(correlogram)
     for top in tops[:200].tolist():
         half = _half_width(envelope, top)
-        peak = _sharpened(correlogram, top, half, independent)
+        peak = _sharpened(correlogram, top, half, crossings)
         if all(abs(peak.delay_s - other.delay_s) > max(peak.half_width_s, other.half_width_s) for other in found):
             found.append(peak)
         if len(found) == most:
@@ -178,7 +178,7 @@ def _half_width(envelope: FloatArray, top: int) -> int:
     return max(1, min(left, right))
 
 
-def _sharpened(correlogram: Correlogram, top: int, half: int, independent: float) -> Peak:
+def _sharpened(correlogram: Correlogram, top: int, half: int, crossings: float) -> Peak:
     first, last = max(0, top - half), min(len(correlogram.value), top + half + 1)
     window = np.abs(correlogram.value[first:last])
     at = first + int(np.argmax(window))
@@ -190,14 +190,14 @@ def _sharpened(correlogram: Correlogram, top: int, half: int, independent: float
     shift = min(max(shift, -1.0), 1.0)
     height = middle - 0.25 * (left - right) * shift
     sigmas = height / correlogram.chance if correlogram.chance > 0.0 else 0.0
-    one = 2.0 * float(stats.norm.sf(sigmas))
-    probability = -math.expm1(independent * math.log1p(-min(one, 1.0 - 1e-12)))
+    # Rice: so often does a Gaussian process with so many zero crossings go beyond a level, on either side
+    probability = -math.expm1(-crossings * math.exp(-0.5 * sigmas**2))
     delay_s = float(correlogram.delay_s[at]) + shift * correlogram.step_s
     return Peak(delay_s, polarity * height, polarity, sigmas, probability, half * correlogram.step_s)
 
 
-def _independent_delays(correlogram: Correlogram) -> float:
-    """Return how many unrelated values the correlation has: zero crossings tell it well enough."""
+def _zero_crossings(correlogram: Correlogram) -> float:
+    """Return how often the correlation changes its sign."""
     signs = np.signbit(correlogram.value)
     return max(1.0, float(np.count_nonzero(signs[1:] != signs[:-1])))
 
