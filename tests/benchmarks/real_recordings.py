@@ -115,7 +115,7 @@ def mixed_of(data, snr_db, places, noises):
 def print_mixed(data, keep, detector, seeds):
     """Print, for each SNR and background, how many are found, with which score and apex error."""
     backgrounds = {"simulated": (), "recorded": (("no-leak", 0.0, 150.0), ("wind", -6.0, 100.0))}
-    print("\nreal leaks passed, each recording at half-widths 1 and 2.5 m; SNR in 800–3200 Hz")
+    print("\nreal leaks passed, each recording at half-widths 1 and 2.5 m; SNR in 800–3200 Hz by the steady part")
     print(
         "background   SNR   found at >= 0.5    score median   apex error m: median  p95    FA/km >= 0.5   by recording"
     )

@@ -4,7 +4,8 @@ A recording is cut into pieces of six seconds, drawn at random and faded into ea
 lasts as long as wanted without a period. What lies below 300 Hz is cut from leaks: there the recordings of
 ``hydrophone_pvc`` hold the rig's pump and building, no less without a leak than with one.
 
-A leak's ``snr_db`` is that in 800–3200 Hz at closest approach, above flow and rolling noise at nominal speed.
+A leak's ``snr_db`` is that in 800–3200 Hz at closest approach, above flow and rolling noise at nominal speed, by the
+recording's steady part: the median over 64 ms, since the mean of these recordings is that of their knocks.
 """
 
 from dataclasses import dataclass
@@ -66,6 +67,13 @@ def band_power(x, rate_hz, low_hz, high_hz):
     return float(p[(f >= low_hz) & (f < high_hz)].sum() * (f[1] - f[0]))
 
 
+def steady_power(x, rate_hz, low_hz, high_hz):
+    """Return the median power over 64 ms of ``x`` within a band."""
+    inside = signal.sosfiltfilt(signal.butter(4, (low_hz, high_hz), "band", fs=rate_hz, output="sos"), x)
+    frame = int(0.064 * rate_hz)
+    return float(np.median(np.mean(inside[: len(inside) // frame * frame].reshape(-1, frame) ** 2, axis=1)))
+
+
 def background_power(scenario, low_hz, high_hz):
     """Return the power of flow and rolling noise at nominal speed within a band."""
     hz = np.fft.rfftfreq(8192, 1 / scenario.sound.rate_hz)
@@ -75,8 +83,8 @@ def background_power(scenario, low_hz, high_hz):
 class Mixed:
     """Adds real sounds to a run, block by block; called as ``mixed(block, first, run)``.
 
-    ``recordings`` are (n,) samples at the run's rate by kind; ``noises`` are (kind, power in the SNR band above the
-    run's own background in dB, low cut in Hz) that sound all the time.
+    ``recordings`` are (n,) samples at the run's rate by kind; ``noises`` are (kind, steady power in the SNR band above
+    the run's own background in dB, low cut in Hz) that sound all the time.
     """
 
     def __init__(self, leaks, recordings, noises=(), seed=0):
@@ -85,7 +93,7 @@ class Mixed:
         self._tracks = None
 
     def __repr__(self):
-        return f"{self.leaks} {self.noises} {self.seed}"
+        return f"steady {self.leaks} {self.noises} {self.seed}"
 
     def __call__(self, block, first, run):
         if self._tracks is None:
@@ -114,12 +122,12 @@ class Mixed:
         for number, leak in enumerate(self.leaks):
             rng = np.random.default_rng([self.seed, 95, number])
             x = high_passed(self._recordings[leak.kind], rate)
-            x = x * np.sqrt(below * 10 ** (leak.snr_db / 10) / band_power(x, rate, *SNR_BAND_HZ))
+            x = x * np.sqrt(below * 10 ** (leak.snr_db / 10) / steady_power(x, rate, *SNR_BAND_HZ))
             # as far as the run goes: a strong leak is heard far off
             tracks.append((leak, 0, lasting(x, run.sound.frames, rate, rng)))
         for number, (kind, level_db, cut_hz) in enumerate(self.noises):
             rng = np.random.default_rng([self.seed, 96, number])
             x = high_passed(self._recordings[kind], rate, cut_hz)
-            x = x * np.sqrt(below * 10 ** (level_db / 10) / band_power(x, rate, *SNR_BAND_HZ))
+            x = x * np.sqrt(below * 10 ** (level_db / 10) / steady_power(x, rate, *SNR_BAND_HZ))
             tracks.append((None, 0, lasting(x, run.sound.frames, rate, rng)))
         return tracks
