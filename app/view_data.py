@@ -92,7 +92,9 @@ def level_curves(results: "Results | None") -> LevelCurves | None:
     if results is None or results.level_along is None:
         return None
     along = results.level_along
-    return LevelCurves(along.time_s, along.level_db, along.chainage_m, along.background_db, along.threshold_db)
+    return LevelCurves(
+        along.time_s, along.level_db, along.chainage_m, along.background_db, along.threshold_db, along.band_hz
+    )
 
 
 def route_points(results: "Results") -> "FloatArray | None":

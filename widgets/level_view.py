@@ -13,6 +13,7 @@ from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid
 from widgets.plot_marks import Readout
 from widgets.plot_paint import paint_legend
+from widgets.plot_scale import hertz_text
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
@@ -29,6 +30,7 @@ class LevelCurves:
     chainage_m: FloatArray | None = None  # (n,)
     background_db: FloatArray | None = None  # (n,)
     threshold_db: FloatArray | None = None  # (n,)
+    band_hz: tuple[float, float] | None = None  # which the levels are of
 
 
 class LevelView(CurvePlot):
@@ -40,6 +42,7 @@ class LevelView(CurvePlot):
         super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
         self.setAccessibleName(self.tr("Level along the pipe"))
         self._channel = Channel.SOUND
+        self._band_hz: tuple[float, float] | None = None
         self._level: Curve | None = None
         self._background: Curve | None = None
         self._threshold: Curve | None = None
@@ -47,8 +50,9 @@ class LevelView(CurvePlot):
 
     def set_levels(self, curves: LevelCurves | None) -> None:
         """Show these levels; None shows none."""
-        self._level = self._background = self._threshold = None
+        self._level = self._background = self._threshold = self._band_hz = None
         if curves is not None and len(curves.time_s):
+            self._band_hz = curves.band_hz
             self._level = _curve(curves, curves.level_db)
             self._background = _curve(curves, curves.background_db)
             self._threshold = _curve(curves, curves.threshold_db)
@@ -72,11 +76,18 @@ class LevelView(CurvePlot):
             return
         self._paint_stems(painter, rect)
         names = (
-            (self._level, self.tr("level"), self._theme.curve),
+            (self._level, self._level_name(), self._theme.curve),
             (self._threshold, self.tr("threshold"), self._theme.curve_second),
             (self._background, self.tr("background"), self._theme.curve_third),
         )
         paint_legend(painter, rect, self._theme, [(name, colour) for curve, name, colour in names if curve is not None])
+
+    def _level_name(self) -> str:
+        """Return what the level is of."""
+        if self._band_hz is None:
+            return self.tr("level")
+        low, high = (hertz_text(round(edge), self.locale()) for edge in self._band_hz)
+        return self.tr("level {low}–{high}Hz").format(low=low, high=high)
 
     def _paint_stems(self, painter: QPainter, rect: QRectF) -> None:
         """Show with a bar at the foot the stretch within which each candidate lies in 95 of 100 cases."""
