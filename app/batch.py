@@ -4,6 +4,7 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
@@ -95,9 +96,12 @@ def reviewed(results: Results, review: ReviewStore) -> tuple[Results, Mapping[in
     lost = [c for c in stored if c.id not in found and (c.id in decisions or c.id in review.manual_ids(run))]
     first = max((c.id for c in results.candidates), default=0) + 1
     found |= {candidate.id: number for number, candidate in enumerate(lost, first)}
-    kept = tuple(replace(candidate, id=found[candidate.id]) for candidate in lost)
+    labels = {found[candidate.id]: candidate.label for candidate in stored if candidate.id in found}
+    free = count(max((candidate.label for candidate in stored), default=0) + 1)
+    fresh = tuple(replace(c, number=labels[c.id] if c.id in labels else next(free)) for c in results.candidates)
+    kept = tuple(replace(candidate, id=found[candidate.id], number=candidate.label) for candidate in lost)
     carried = {found[number]: decision for number, decision in decisions.items() if number in found}
-    return replace(results, candidates=results.candidates + kept), carried
+    return replace(results, candidates=fresh + kept), carried
 
 
 def _report_language(settings: Settings, spoken: str) -> str:

@@ -384,6 +384,12 @@ class Candidate:
     band_hz: tuple[float, float]
     width_m: float
     evidence: Params = field(default_factory=dict)
+    number: int = 0  # what people call it by, the same from run to run; 0: by its id
+
+    @property
+    def label(self) -> int:
+        """The number that lists, maps and reports show."""
+        return self.number or self.id
 
 
 # --- what a human decided -----------------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ class CandidateRow:
     @property
     def name(self) -> str:
         """The name on the list and in the views: L3, or M4 for a manual mark."""
-        return f"{'M' if self.manual else 'L'}{self.candidate.id}"
+        return f"{'M' if self.manual else 'L'}{self.candidate.label}"
 
 
 def sort_rows(rows: Sequence[CandidateRow], order: str) -> list[CandidateRow]:

@@ -303,7 +303,7 @@ class PathView(QWidget):
         # the weighty ones are painted last but named first, so that they get a place
         named = () if self._mouse.carries else tuple(reversed(marks))  # a carried tie point must follow the hand
         for candidate, centre in named:
-            labels.write(str(candidate.id), centre, radius + 3, strong=candidate.id == self._marks.selected)
+            labels.write(str(candidate.label), centre, radius + 3, strong=candidate.id == self._marks.selected)
         name_pins(labels, [pair for pair in pins if pair not in chosen], radius + 3)
         self._compared.paint_names(painter, labels, self._scale, self._theme)
 

@@ -131,7 +131,7 @@ def _draw_leak(drawing: Drawing, frame: Frame, row: LeakRow, emphasised: bool) -
     else:
         corners = [(x, y - reach), (x + reach, y), (x, y + reach), (x - reach, y), (x, y - reach)]
         drawing.path(corners, "#ffffff", 0.8, fill=colour)
-    drawing.text(x + reach + 2, y - 3, str(row.candidate.id), weight=600, size=8.5, colour=colour, backed=1)
+    drawing.text(x + reach + 2, y - 3, str(row.candidate.label), weight=600, size=8.5, colour=colour, backed=1)
 
 
 def _draw_scale_and_north(drawing: Drawing, frame: Frame, labels: MapLabels) -> None:
@@ -170,7 +170,7 @@ def profile(content: ReportContent, x_label: str, y_label: str, size: tuple[floa
             if row.decision.verdict is not Verdict.REJECTED and np.isfinite(row.candidate.chainage_m):
                 x = frame.x(row.candidate.chainage_m)
                 drawing.line(x, frame.top, x, frame.top + frame.height, VERDICT_COLOURS[row.decision.verdict], 0.9)
-                drawing.text(x + 2, frame.top + 8, str(row.candidate.id), weight=600, size=7.5, backed=1)
+                drawing.text(x + 2, frame.top + 8, str(row.candidate.label), weight=600, size=7.5, backed=1)
 
     drawing.clipped(frame, draw)
     return drawing.svg()

@@ -41,7 +41,7 @@ def leak_feature(row: LeakRow, content: ReportContent) -> dict[str, Any]:
     c = row.candidate
     properties = {
         "kind": "leak",
-        "id": c.id,
+        "id": c.label,
         "status": row.status,
         "verdict": row.decision.verdict.value,
         "class": row.leak_class.value,

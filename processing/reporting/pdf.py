@@ -61,7 +61,7 @@ def _add_figures(data: dict, content: ReportContent, words: Words, folder: Path,
     rows = rows_with_sheet(content)
     for index, (row, page) in enumerate(zip(rows, data["sheets"], strict=True)):
         progress.update(0.9 * index / len(rows), "exporting")
-        number = row.candidate.id
+        number = row.candidate.label
         page["map"] = keep(f"map{number}.svg", plan_map(content, labels, LEAK_MAP, around=row))
         level = level_excerpt(content, row, words("axis_chainage"), words("axis_level"), WIDE)
         page["level_figure"] = keep(f"level{number}.svg", level)

@@ -165,7 +165,7 @@ def table_row(row: LeakRow, content: ReportContent, words: Words) -> dict[str, s
     """Return one line of the leak table."""
     c = row.candidate
     return {
-        "id": str(c.id),
+        "id": str(c.label),
         "status": status(row, words),
         "colour": VERDICT_COLOURS[row.decision.verdict],
         "class": class_and_size(row, words),
@@ -232,8 +232,8 @@ def sheet(row: LeakRow, content: ReportContent, words: Words) -> dict[str, Any]:
         [words("note"), row.decision.note],
     ]
     return {
-        "id": c.id,
-        "heading": words(heading, id=c.id),
+        "id": c.label,
+        "heading": words(heading, id=c.label),
         "status": status(row, words),
         "colour": VERDICT_COLOURS[row.decision.verdict],
         "place": place,

@@ -34,7 +34,7 @@ def leak_cells(row: LeakRow, content: ReportContent) -> list[str]:
     c = row.candidate
     east, north, up = content.grid_place(c.position_w_m) if np.all(np.isfinite(c.position_w_m)) else c.position_w_m
     return [
-        str(c.id),
+        str(c.label),
         row.status,
         row.leak_class.value,
         cell(c.time_s, 3),

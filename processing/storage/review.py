@@ -105,7 +105,8 @@ class ReviewStore:
             created = run.created_utc or _now()
             values = (created, run.settings_hash, to_json(run.versions))
             run_id = _inserted(db, "INSERT INTO runs (created_utc, settings_hash, versions) VALUES (?, ?, ?)", values)
-            fresh = [_insert_candidate(db, run_id, candidate) for candidate in candidates]
+            known = self.candidates(latest) if latest is not None else ()
+            fresh = [_insert_candidate(db, run_id, candidate) for candidate in self._numbered(candidates, known)]
             carried = self._carry(db, run_id, fresh, operator, relocate)
         return StoredRun(replace(run, id=run_id, created_utc=created), self.candidates(run_id), carried)
 
@@ -257,7 +258,26 @@ class ReviewStore:
             self._write(db, stored.id, orphan.decision, operator, Reason.CARRY)
         return stored
 
+    def _numbered(self, candidates: Sequence[Candidate], known: Sequence[Candidate]) -> list[Candidate]:
+        """Return the candidates under the numbers by which people know them; what is new gets the next ones."""
+        named = [replace(candidate, id=place) for place, candidate in enumerate(candidates)]
+        before = {candidate.id: candidate.label for candidate in known}
+        numbers = {new: before[old] for old, new in partners(known, named).items()}
+        free = self._next_number()
+        out = []
+        for candidate in named:
+            number = numbers.get(candidate.id, free)
+            free += number == free
+            out.append(replace(candidate, number=number))
+        return out
+
+    def _next_number(self) -> int:
+        """Return the first number that nothing in this survey was ever called by."""
+        rows = self._db.rows("SELECT id, value FROM candidates")
+        return max((self._candidate(row).label for row in rows), default=0) + 1
+
     def _insert_manual(self, db: Connection, run_id: int, candidate: Candidate) -> Candidate:
+        candidate = candidate if candidate.number else replace(candidate, number=self._next_number())
         stored = _insert_candidate(db, run_id, candidate)
         db.execute("INSERT INTO manual_candidates (candidate_id) VALUES (?)", (stored.id,))
         return stored
@@ -278,8 +298,8 @@ class ReviewStore:
 
     def _same_run(self, latest: Run, candidates: Sequence[Candidate]) -> StoredRun | None:
         stored, manual = self.candidates(latest), self.manual_ids(latest)
-        found = [to_json(replace(c, id=0)) for c in stored if c.id not in manual]  # as text: NaN equals NaN
-        if found != [to_json(replace(c, id=0)) for c in candidates]:
+        found = [to_json(replace(c, id=0, number=0)) for c in stored if c.id not in manual]  # as text: NaN equals NaN
+        if found != [to_json(replace(c, id=0, number=0)) for c in candidates]:
             return None
         return StoredRun(latest, stored, self.carried(latest), is_new=False)
 

@@ -278,3 +278,25 @@ class Reviewing(RuleBasedStateMachine):
 
 TestReviewing = Reviewing.TestCase
 TestReviewing.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+
+
+def test_a_leak_keeps_its_number_from_run_to_run_and_no_number_is_given_twice(folder, candidate):
+    review = folder.review
+    first = review.add_run(Run(0, "", "a"), [candidate(100, 50), candidate(200, 100), candidate(300, 150)])
+    assert [c.label for c in first.candidates] == [1, 2, 3]
+    # found again in another order, the second one lost, one more found
+    second = review.add_run(Run(0, "", "b"), [candidate(300.2, 150), candidate(400, 200), candidate(100.1, 50)])
+    assert {round(c.time_s): c.label for c in second.candidates} == {300: 3, 400: 4, 100: 1}
+    mark = review.add_manual_candidate(second.run, candidate(350, 175), "me")
+    assert mark.label == 5
+    third = review.add_run(Run(0, "", "c"), [candidate(200, 100), candidate(100, 50)])
+    assert {round(c.time_s): c.label for c in third.candidates} == {200: 6, 100: 1, 350: 5}
+    assert len({c.id for run in (first, second, third) for c in run.candidates}) == 9
+
+
+def test_the_same_run_again_is_recognised_whatever_its_leaks_are_called(folder, candidate):
+    found = [candidate(100, 50), candidate(200, 100)]
+    stored = folder.review.add_run(Run(0, "", "a"), found)
+    again = folder.review.add_run(Run(0, "", "a"), found)
+    assert not again.is_new
+    assert again.candidates == stored.candidates
