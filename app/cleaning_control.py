@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QTimer
 
-from app.clean_tiles import CleanableTiles
+from app.clean_tiles import LONGEST_S, CleanableTiles
 from app.jobs import Job, Jobs
 from app.player import Player
 from app.survey_session import SurveySession
@@ -177,4 +177,8 @@ class CleaningControl(QObject):
         if found.bumps:
             more = self.tr("{count} bumps ducked, {felt} of them felt")
             text += ", " + more.format(count=found.bumps, felt=found.felt)
+        start_s, end_s = self._session.cursor.range_s
+        if end_s - start_s > LONGEST_S:
+            closer = self.tr("the picture is cleaned where less than {seconds} s are shown")
+            text += "; " + closer.format(seconds=number(LONGEST_S, 0))
         self._page.playback.set_note(text)

@@ -1,6 +1,7 @@
 """Buttons for listening: play, loop, raw or cleaned, band, slow, volume; or a hint why this machine cannot play."""
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QFont, QFontMetrics
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QSlider, QStyle, QWidget
 
 from widgets.quiet_combo import QuietCombo
@@ -34,6 +35,9 @@ class PlaybackBar(QWidget):
         self._cleaned = self._button("cleaned", "")
         self._cleaned.setCheckable(True)
         self._cleaned.setText(self.tr("Cleaned"))
+        bold = QFont(self._cleaned.font())
+        bold.setBold(True)  # as a checked button is drawn
+        self._cleaned.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(self._cleaned.text()) + 36)
         self._cleaned.clicked.connect(self._on_cleaned)
         self._band = self._choice("band", self.tr("What is heard (B)"))
         for name, text in (
@@ -47,7 +51,7 @@ class PlaybackBar(QWidget):
         for times, text in ((1, "1×"), (2, "½×"), (4, "¼×")):
             self._slow.addItem(text, times)
         self._slow.activated.connect(lambda _row: self.slow_chosen.emit(int(self._slow.currentData())))
-        self._unavailable = ""
+        self._unavailable, self._reason, self._note = "", "", ""
         self._hint = QLabel()
         self._hint.setObjectName("playback_hint")
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
@@ -80,15 +84,18 @@ class PlaybackBar(QWidget):
         """Switch everything on, or off with ``hint`` saying why; ``reason`` is the long story, as a tool tip."""
         for widget in (self._play, self._loop, self._volume, self._band, self._slow):
             widget.setEnabled(not hint)
-        self._unavailable = hint
-        self._hint.setText(hint)
-        self._hint.setToolTip(reason)
+        self._unavailable, self._reason = hint, reason
+        self._tell()
 
     def set_note(self, note: str) -> None:
-        """Say something about what is heard, where there is no more important hint."""
-        if not self._unavailable.strip():
-            self._hint.setText(note)
-            self._hint.setToolTip(note)
+        """Say something about what is heard and seen, beside a hint where there is one."""
+        self._note = note
+        self._tell()
+
+    def _tell(self) -> None:
+        told = [text for text in (self._unavailable.strip(), self._note) if text]
+        self._hint.setText("  ·  ".join(told))
+        self._hint.setToolTip("\n".join(text for text in (self._reason, self._note) if text))
 
     def set_playing(self, *, playing: bool, looping: bool) -> None:
         """Show what is going on."""

@@ -20,7 +20,7 @@ from processing.settings import CleaningSettings
 from processing.sound.bands import Grid
 from processing.sound.cells import Frames as LevelFrames
 from processing.sound.cells import band_log_power, frames_of
-from processing.sound.cleaning_bands import BandCleaner, PhaseGains, phase_gain
+from processing.sound.cleaning_bands import BandCleaner, PhaseGains, phase_gain, usual_share
 from processing.sound.onsets import imu_events
 from processing.sound.orders import Frames, OrderWindows, Turning, turning_of
 from processing.sound.orders_lines import NO_LINES, LineRemover, RollingLines, learn_lines
@@ -148,8 +148,10 @@ def _phase_gains(
     table: npt.NDArray[np.float16] = np.zeros((len(level), bands), np.float16)
     for band in range(bands):
         progress.update(band / bands)
-        lift = rolling.modulation(band_log_power(scan, band), frames.counts)
-        table[:, band] = phase_gain(lift, settings.rolling_depth, scan.frame_s)
+        log_power = band_log_power(scan, band)
+        lift = rolling.modulation(log_power, frames.counts)
+        share = usual_share(log_power, scan.frame_s)
+        table[:, band] = phase_gain(lift, settings.rolling_depth, scan.frame_s, share)
     return PhaseGains(scan.frame_s, table)
 
 

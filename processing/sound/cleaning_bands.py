@@ -22,6 +22,7 @@ _CONTEXT = 16  # frames on either side, for the running median of 0.7 s
 _MEDIAN = 31
 _KEPT_CHUNKS = 4
 _EVEN_S = 15.0  # over which the gain's power is held at one: many turns
+_USUAL_S, _NOW_S = 20.0, 2.0
 _GAIN_RANGE = (-2.0, 2.0)  # nepers
 _BELOW = 1.0  # nepers of power, 4 dB
 _QUIET = 1e-14  # power of a bin in digital silence
@@ -45,17 +46,36 @@ class PhaseGains:
         return mixed
 
 
-def phase_gain(modulation: npt.NDArray[np.float32], depth: float, step_s: float) -> npt.NDArray[np.float16]:
+def phase_gain(
+    modulation: npt.NDArray[np.float32],
+    depth: float,
+    step_s: float,
+    share: npt.NDArray[np.float32] | float = 1.0,
+) -> npt.NDArray[np.float16]:
     """Return the logarithm (t,) of the gain for noise that the turning lifts by ``modulation`` (t,), power.
 
     The gain is m^-depth, times what keeps a steady sound (a leak) at its power over many turns: with depth 1 its square
-    weighs power by 1/m², the optimum of an energy detector (acoustics §5.1 step 4).
+    weighs power by 1/m², the optimum of an energy detector (acoustics §5.1 step 4). Where rolling is only a ``share``
+    of the power, the gain is drawn towards 1, as Wiener would: else a loud leak would be made to pulse.
     """
-    log_gain = -depth * np.log(np.maximum(modulation, 1e-3))
+    log_gain = -depth * share * np.log(np.maximum(modulation, 1e-3))
     size = max(1, round(_EVEN_S / step_s))
     power = ndimage.uniform_filter1d(np.exp(2 * log_gain).astype(np.float64), size, mode="nearest")
     even: npt.NDArray[np.float16] = np.clip(log_gain - 0.5 * np.log(power), *_GAIN_RANGE).astype(np.float16)
     return even
+
+
+def usual_share(log_power: npt.NDArray[np.float32], step_s: float) -> npt.NDArray[np.float32]:
+    """Return which share (t,) of a band's power over two seconds its usual level in the minute around makes up."""
+    block = max(1, round(_USUAL_S / step_s))
+    count = max(1, len(log_power) // block)
+    middles = (np.arange(count) + 0.5) * block
+    medians = [float(np.median(log_power[i * block : (i + 1) * block])) for i in range(count)]
+    usual = ndimage.median_filter(np.array(medians), 3, mode="nearest")
+    present = np.log(ndimage.uniform_filter1d(np.exp(log_power.astype(np.float64)), max(1, round(_NOW_S / step_s))))
+    over = present - np.interp(np.arange(len(log_power)), middles, usual)
+    share: npt.NDArray[np.float32] = np.exp(-np.maximum(over, 0.0)).astype(np.float32)
+    return share
 
 
 class BandCleaner:

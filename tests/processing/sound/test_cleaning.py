@@ -10,7 +10,7 @@ from scipy import signal
 
 from processing.settings import CleaningSettings, DetectorSettings
 from processing.sound.cleaning import CleanReader, NotCleaned, figures, learn_cleaning
-from processing.sound.cleaning_bands import PhaseGains, phase_gain
+from processing.sound.cleaning_bands import PhaseGains, phase_gain, usual_share
 
 RUN = roll(48.0, seed=4)
 COUNT = len(RUN.time_s)
@@ -84,6 +84,19 @@ def test_a_steady_sound_keeps_its_power_over_many_turns():
     for depth in (0.5, 1.0):
         gains = phase_gain((1 + 0.6 * np.cos(turn)).astype(np.float32), depth, step_s).astype(float)
         assert 10 * np.log10(np.mean(np.exp(2 * gains[150:-150]))) == pytest.approx(0.0, abs=0.2)
+
+
+def test_a_loud_leak_is_not_made_to_pulse():
+    step_s = 0.064
+    time_s = np.arange(0.0, 180.0, step_s)
+    turn = 2 * np.pi * 1.3 * time_s
+    swell = (1 + 0.6 * np.cos(turn)).astype(np.float32)
+    leak = 20.0 * np.exp(-0.5 * ((time_s - 90.0) / 3.0) ** 2)
+    share = usual_share(np.log(swell + leak).astype(np.float32), step_s)
+    gains = 20 / np.log(10) * phase_gain(swell, 1.0, step_s, share).astype(float)
+    there, elsewhere = np.abs(time_s - 90.0) < 1.5, np.abs(time_s - 40.0) < 10.0
+    assert np.ptp(gains[there]) < 1.5  # dB
+    assert np.ptp(gains[elsewhere]) == pytest.approx(20 * np.log10(1.6 / 0.4), abs=2.5)
 
 
 def test_however_it_is_cut_and_wherever_it_begins_the_samples_are_the_same(rolling):
