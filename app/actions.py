@@ -116,6 +116,8 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Go one candidate up the list"), Needs.RESULTS),
     _row("undecided", N("Actions", "Next undecided"), "U", Page.REVIEW, "review.next_undecided",
          N("Actions", "Go to the next candidate without a verdict"), Needs.RESULTS),
+    _row("why", N("Actions", "Why a leak"), "W", Page.REVIEW, "evidence.toggle",
+         N("Actions", "Show what speaks for and against a leak here, or the list again"), Needs.CANDIDATE),
     _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
          N("Actions", "Bring the cursor and all views to the selected candidate"), Needs.CANDIDATE),
     _row("mark", N("Actions", "Mark a leak here"), "M", Page.REVIEW, "review.mark_here",

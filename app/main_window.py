@@ -22,12 +22,13 @@ from PySide6.QtWidgets import (
 
 from app import actions, appearance, enabling
 from app.actions import ACTIONS, PAGE_TITLES, Page
-from app.cleaning_control import CleaningControl
 from app.channel_control import ChannelControl
+from app.cleaning_control import CleaningControl
 from app.clock_control import ClockControl
 from app.correlator_entry import CorrelatorEntry
 from app.data_page import DataPage
 from app.devices.audio_output import Sink, open_sink, why_silent
+from app.evidence_control import EvidenceControl
 from app.files_control import FilesControl
 from app.first_sound import FirstSound
 from app.help_control import HelpControl
@@ -92,6 +93,7 @@ class MainWindow(QMainWindow):
         self.path = PathControls(self._session, services.jobs, self.review_page, language, self)
         self.cleaning = CleaningControl(self._session, services.jobs, self.review_page, self.player, language, self)
         self.clock = ClockControl(self._session, self.review_page.tools, self.review_page.clock, language, self)
+        self.evidence = EvidenceControl(self._session, self.review_page.tools, self.review_page.why, language, self)
         page = self.review_page
         self.channels = ChannelControl(self._session, page.tools, page.channels, language, self)
         self.route = RouteControl(
@@ -374,6 +376,7 @@ class MainWindow(QMainWindow):
         self.review_page.decision.flush()
         self.player.stop()
         self.spectrum.forget()
+        self.evidence.stop()
         self.correlator.stop()
         self.cleaning.stop()
         self.notices.stop()

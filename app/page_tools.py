@@ -130,6 +130,10 @@ class PageTools(QObject):
         """Bring a tool to the front, if it belongs to the page that is shown."""
         self._of(name).choose(name)
 
+    def leave(self, name: str) -> None:
+        """Bring back what a tool covers: the views, or the list of leaks."""
+        self._of(name).choose(FIRST)
+
     def is_in_front(self, name: str) -> bool:
         """Return whether this tool's tab is the chosen one."""
         return self._of(name).current == name

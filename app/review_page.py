@@ -18,6 +18,7 @@ from widgets.candidate_table import CandidateRow, CandidateTable
 from widgets.channel_panel import ChannelPanel
 from widgets.clock_panel import ClockPanel
 from widgets.decision_panel import DecisionPanel
+from widgets.evidence_panel import EvidencePanel
 from widgets.imu_view import ImuView
 from widgets.level_view import LevelView
 from widgets.linked_plot import Readout
@@ -69,6 +70,7 @@ class ReviewPage(QWidget):
         self.methods, self.markers = MethodPanel(), MarkerPanel()
         self.quality = QualityPanel(cursor, theme)
         self.clock = ClockPanel(theme)
+        self.why = EvidencePanel(theme)
         self.channels = ChannelPanel(cursor, theme)
         self._readout = QLabel()
         self._readout.setObjectName("readout")
@@ -106,6 +108,7 @@ class ReviewPage(QWidget):
         self.tools.add_tool("markers", self.tr("Tie points"), self.markers)
         self.tools.add_tool("methods", self.tr("Methods"), self.methods)
         self.tools.add_tool("quality", self.tr("Quality"), self.quality)
+        self.tools.add_tool("why", self.tr("Why"), self.why, pages=("leaks", "sound"))
         self.tools.add_tool("clock", self.tr("Clocks"), self.clock, pages=("sound",))
         self.tools.add_tool("channels", self.tr("Channels"), self.channels, pages=("sound",))
         self.tools.add_tool("spectrum", self.tr("Spectrum"), self.spectrum, pages=("sound",))

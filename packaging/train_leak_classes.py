@@ -10,7 +10,7 @@ of it may be trained on) at 16 kHz with their true path, runs the detector in me
 measures the figures of :mod:`processing.sound.place_features` at each spot, and at each valve, bend, air pocket,
 passing car, pump and some joints whether the detector minded them or not, in the band and width of a usual leak.
 
-``fit``: bins at the quantiles of each figure; p(bin | class) by counting, smoothed towards all classes' share; figures'
+``fit``: bins with the borders EDGES; p(bin | class) by counting, smoothed towards all classes' share; figures'
 weights (0..1) by the greatest likelihood of leak or not, over the detector's own spots, the detector's probability
 being the prior, and, counting NAMING as much, of which false source it was. Figures that the simulation cannot teach
 are STATED below, with their reason.
@@ -31,12 +31,28 @@ from processing.survey import LeakClass
 CLASSES = [c.value for c in LeakClass]
 LOW_SCORE = 0.02
 RATE_HZ = 16_000
-BINS = 6
-SMOOTHING = 3.0  # rows that each class has before it has any
+SMOOTHING = 4.0  # rows that each class has before it has any
 USUAL_LEAK = (1.5, (700.0, 2800.0))
 AROUND_LEAK_M = 6.0
 NAMING = 0.15
 
+# borders of the bins: round figures that part what differs, never finer than the figure repeats from place to place
+EDGES = {
+    "rumble_db": [-6.0, -3.0, -1.0, 1.0, 3.0],
+    "flutter": [-0.3, 0.0, 0.3, 0.6, 0.9],
+    "impulsive_share": [0.1, 0.25, 0.5],
+    "knock": [1.0, 4.5],
+    "joint_m": [0.3, 0.8],
+    "turn_deg": [8.0, 20.0],
+    "tones_db": [0.08, 0.2],
+    "tones_s": [60.0, 180.0],
+    "place_not_moment": [-0.1, -0.03, 0.03, 0.1],
+    "width_m": [0.4, 0.8, 1.5, 2.5, 4.0, 7.0],
+    "peak_hz": [250.0, 450.0, 800.0, 1200.0, 1800.0, 2600.0],
+    "spread_octaves": [0.6, 0.9, 1.2, 1.5],
+    "lopsided": [-1.5, -0.6, 0.6, 1.5],
+    "speed_ratio": [-0.2, -0.07, 0.07, 0.2],
+}
 # p of the bins, the reason with each
 STATED = {
     "valve_m": {
@@ -192,7 +208,6 @@ def fit(rows: list[dict], out: Path) -> None:
         "trained_on": f"{len(mains)} simulated mains ({mains[0][0]}, seeds {mains[0][1]}–{mains[-1][1]})",
         "rows": {c: sum(r["label"] == c for r in rows) for c in CLASSES},
         "detector_spots": len(spots),
-        "bins": BINS,
     }
     out.parent.mkdir(parents=True, exist_ok=True)
     document = {"record": record, "prior": prior, "features": features}
@@ -204,15 +219,12 @@ def fit(rows: list[dict], out: Path) -> None:
 
 
 def counted(rows: list[dict], name: str) -> dict | None:
-    """Return bins at quantiles of the known values, and the smoothed share of each class in them."""
+    """Return the bins and the smoothed share of each class in them; None where too few rows know the figure."""
     known = [(r["label"], r["figures"][name]) for r in rows if np.isfinite(r["figures"].get(name, np.nan))]
     if len(known) < 50:
         return None
     values = np.array([v for _, v in known])
-    edges = np.unique(np.round(np.quantile(values, np.arange(1, BINS) / BINS), 4))
-    edges = edges[(edges > values.min()) & (edges <= values.max())]
-    if not len(edges):
-        return None
+    edges = np.array(EDGES[name])
     bins = np.searchsorted(edges, values, side="right")
     labels = np.array([label for label, _ in known])
     overall = np.bincount(bins, minlength=len(edges) + 1) / len(bins)
@@ -264,7 +276,7 @@ def _said(trained: list[str], features: dict, spots: list[dict]) -> list[tuple[f
                 if np.isfinite(value):
                     k = int(np.searchsorted(features[name]["edges"], value, side="right"))
                     said[i] = np.log([max(features[name]["p"][c][k], 1e-4) for c in CLASSES])
-            out.append((float(np.clip(r["p"] or 0.5, 1e-3, 0.98)), r["label"] == "leak", said))
+            out.append((float(np.clip(r["p"] or 0.5, 1e-3, 0.95)), r["label"] == "leak", said))
         _CACHE[id(spots)] = out
     return _CACHE[id(spots)]
 

@@ -26,7 +26,7 @@ _MOMENT_LEAK, _MOMENT_TRAFFIC = 0.05, 0.55
 _LEAST_P = 1e-4
 _LIKELY = 0.5
 _MOST_VALUES = 4000
-_SUREST = 0.98  # of the detector's probability: it tells sound from noise, and no loudness tells leaks from pumps
+_SUREST = 0.95  # of the detector's probability: it tells sound from noise, and no loudness tells leaks from pumps
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,16 @@
         <translation>Sesin tamamı, kaçak bandı ya da seçili adayın bandı</translation>
     </message>
     <message>
+        <source>Begin a selection at the cursor; the second time, end it there</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Bring the cursor and all views to the selected candidate</source>
         <translation>İmleci ve bütün görünümleri seçili adaya getirir</translation>
+    </message>
+    <message>
+        <source>Change the colours of the spectrogram</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Class</source>
@@ -68,12 +76,20 @@
         <translation>Bu ölçümü kapatır; her şey zaten kaydedildi</translation>
     </message>
     <message>
+        <source>Compare with the selection</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Compute path and leaks again with the present form and tie points; decisions are carried over</source>
         <translation>Yolu ve kaçakları şimdiki form ve bağlama noktalarıyla yeniden hesaplar; kararlar korunur</translation>
     </message>
     <message>
         <source>Confirm</source>
         <translation>Onayla</translation>
+    </message>
+    <message>
+        <source>Contrast</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Correlator</source>
@@ -200,12 +216,28 @@
         <translation>İkinci bir bakış için açık bırakır; karar bekleyen sonraki adaya geçer</translation>
     </message>
     <message>
+        <source>Let a drag in the spectrogram select instead of pan</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the colours fit what is visible now; they stay so</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Mark</source>
         <translation>İşaretle</translation>
     </message>
     <message>
         <source>Mark a leak here</source>
         <translation>Buraya kaçak işareti koy</translation>
+    </message>
+    <message>
+        <source>Measure the selection as A, against what lies around it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure the selection as B</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Metres or seconds</source>
@@ -238,6 +270,10 @@
     <message>
         <source>Next candidate</source>
         <translation>Sonraki aday</translation>
+    </message>
+    <message>
+        <source>Next colours</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Next theme: sun for outdoors, light, dark</source>
@@ -340,12 +376,32 @@
         <translation>Ne olduğunu belirtin: kaçak, vana, dirsek, pompa …</translation>
     </message>
     <message>
+        <source>Scale of frequencies</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Select by dragging</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Selection from here</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Short events, steady sounds, excess</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Show all</source>
         <translation>Tümünü göster</translation>
     </message>
     <message>
         <source>Show half of it, around the cursor (also Ctrl and wheel)</source>
         <translation>İmlecin çevresinde yarısını gösterir (Ctrl ve tekerlek de olur)</translation>
+    </message>
+    <message>
+        <source>Show short events, steady sounds, or what is over the local background</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Show sound and motion along the pipe in metres, or in time</source>
@@ -361,7 +417,7 @@
     </message>
     <message>
         <source>Show what speaks for and against a leak here, or the list again</source>
-        <translation type="unfinished"></translation>
+        <translation>Burada kaçaktan yana ve kaçağa karşı olanı göster, ya da yine listeyi</translation>
     </message>
     <message>
         <source>Slower</source>
@@ -374,6 +430,14 @@
     <message>
         <source>Spectrogram, level and motion large</source>
         <translation>Büyük spektrogram, düzey ve hareket</translation>
+    </message>
+    <message>
+        <source>Spectrum of the selection</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Spread frequencies by octaves, evenly, or as the ear hears them</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Sun, light or dark</source>
@@ -425,7 +489,7 @@
     </message>
     <message>
         <source>Why a leak</source>
-        <translation type="unfinished"></translation>
+        <translation>Neden kaçak</translation>
     </message>
     <message>
         <source>Write a note; it is saved as you type. Enter ends it</source>
@@ -466,8 +530,42 @@
         <translation>Leakline kendi hatasına takıldı. Bütün kararlar ve notlar diskte. ({what})</translation>
     </message>
     <message>
+        <source>Loading</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Save diagnostics…</source>
         <translation>Tanılama dosyası kaydet…</translation>
+    </message>
+</context>
+<context>
+    <name>BandMapView</name>
+    <message>
+        <source>Map of the bands</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>BandPanel</name>
+    <message>
+        <source>Chosen by hand: {low} to {high}.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>How to ask</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure the selection</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take as the leak band</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{low} to {high}: the sound is measured again in this band</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -615,6 +713,10 @@
     <message>
         <source>rolling noise {change} dB, {turns} turns/s</source>
         <translation>yuvarlanma gürültüsü {change} dB, {turns} tur/sn</translation>
+    </message>
+    <message>
+        <source>the picture is cleaned where less than {seconds} s are shown</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>{count} bumps ducked, {felt} of them felt</source>
@@ -1293,15 +1395,15 @@
     <name>EvidencePanel</name>
     <message>
         <source>Dot: here. Bar: {count} places elsewhere (half within). + speaks for a leak, − against.</source>
-        <translation type="unfinished"></translation>
+        <translation>Nokta: burası. Kutu: başka {count} yer (yarısı içinde). + kaçaktan yana, − karşı.</translation>
     </message>
     <message>
         <source>Level over the surroundings; blue: 95 % of them</source>
-        <translation type="unfinished"></translation>
+        <translation>Çevrenin üstündeki düzey; mavi: çevrenin %95'i</translation>
     </message>
     <message>
         <source>Rise and fall along the pipe, with the fit</source>
-        <translation type="unfinished"></translation>
+        <translation>Boru boyunca yükselip alçalma ve uyan eğri</translation>
     </message>
 </context>
 <context>
@@ -1609,6 +1711,10 @@
     <message>
         <source>level</source>
         <translation>düzey</translation>
+    </message>
+    <message>
+        <source>level {low}–{high}Hz</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>threshold</source>
@@ -2328,12 +2434,16 @@
         <translation>Kalite</translation>
     </message>
     <message>
+        <source>Spectrum</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Tie points</source>
         <translation>Bağlama noktaları</translation>
     </message>
     <message>
         <source>Why</source>
-        <translation type="unfinished"></translation>
+        <translation>Neden</translation>
     </message>
 </context>
 <context>
