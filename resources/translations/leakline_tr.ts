@@ -716,7 +716,7 @@
     </message>
     <message>
         <source>the picture is cleaned where less than {seconds} s are shown</source>
-        <translation type="unfinished"></translation>
+        <translation>görüntü, {seconds} saniyeden azı gösterildiğinde temizlenir</translation>
     </message>
     <message>
         <source>{count} bumps ducked, {felt} of them felt</source>
