@@ -91,10 +91,7 @@ class LevelView(CurvePlot):
 
     def _paint_stems(self, painter: QPainter, rect: QRectF) -> None:
         """Show with a bar at the foot the stretch within which each candidate lies in 95 of 100 cases."""
-        for candidate in self._marks.in_drawing_order:
-            centre = self._mark_centre(candidate)
-            if centre is None:
-                continue
+        for candidate, centre in self._mark_places:
             painter.setPen(QPen(QColor(self._theme.text), 1, Qt.PenStyle.DotLine))
             painter.drawLine(centre, QPointF(centre.x(), rect.bottom()))
             ends = self._cursor.x_of_chainage(np.array([candidate.chainage_low95_m, candidate.chainage_high95_m]))

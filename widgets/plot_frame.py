@@ -10,6 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFocusEvent, QPainter, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
@@ -22,6 +23,8 @@ from widgets.plot_paint import paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
+
+FEW_CANDIDATES = 8
 
 
 @dataclass(frozen=True)
@@ -222,15 +225,21 @@ class PlotFrame(QWidget):
     def _lay_elsewhere(self, painter: QPainter, kept: _Kept, ratio: float) -> None:
         """Lay down a picture of another span: what it shows of this one, where it belongs; axes up and down stay."""
         rect, (low, high), height = self.plot_rect(), kept.x_span, float(self.height())
-        painter.drawPixmap(0, 0, kept.picture)
-        painter.fillRect(QRectF(0.0, rect.bottom() + 1, rect.right(), height), QColor(self._theme.background))
-        painter.fillRect(rect, QColor(self._theme.canvas))
+        beside, end = rect.left() * ratio, rect.right() + 1
+        painter.drawPixmap(QPointF(0.0, 0.0), kept.picture, QRectF(0.0, 0.0, beside, height * ratio))
+        values = QRectF(end * ratio, 0.0, (self.width() - end) * ratio, height * ratio)
+        painter.drawPixmap(QPointF(end, 0.0), kept.picture, values)
         left, right = self.pixel_of_x(low), self.pixel_of_x(high)
         if abs((right - left) - rect.width()) < 0.5 / ratio:  # only shifted: no pixel need be stretched
             left = rect.left() + round((left - rect.left()) * ratio) / ratio
             right = left + rect.width()
         scale = (right - left) / rect.width()
         first, last = max(left, rect.left()), min(right, rect.right())
+        ground, canvas = QColor(self._theme.background), QColor(self._theme.canvas)
+        painter.fillRect(QRectF(0.0, rect.bottom() + 1, rect.left(), height), ground)
+        for start, stop in ((rect.left(), min(first, end)), (max(last, rect.left()), end)):  # not in the picture
+            painter.fillRect(QRectF(start, 0.0, stop - start, height), ground)
+            painter.fillRect(QRectF(start, rect.top(), stop - start, rect.height()), canvas)
         if last - first < 1.0:
             return
         source = QRectF(rect.left() + (first - left) / scale, 0.0, (last - first) / scale, height)
@@ -245,13 +254,23 @@ class PlotFrame(QWidget):
         name = self.tr("m") if self._cursor.axis_mode is AxisMode.DISTANCE else self.tr("time")
         self._common_axis.show_unit(self._cursor.axis_mode, name, self.locale())
         self._show_data()
-        self._mark_places = [
-            (c, place) for c in self._marks.in_drawing_order if (place := self._mark_centre(c)) is not None
-        ]
+        self._mark_places = [(c, place) for c in self._near() if (place := self._mark_centre(c)) is not None]
         self._value_axis.set_room(whole.translated(0.0, -rect.top()))
         self._common_axis.set_room(whole.translated(-rect.left(), -rect.bottom()))
         for item in (self._ground, self._details, self._mark_item):
             item.renew(whole)
+
+    def _near(self) -> list[Candidate]:
+        """Return the candidates in sight or little beside it, in drawing order."""
+        candidates, (low, high) = self._marks.in_drawing_order, self.x_span()
+        if len(candidates) <= FEW_CANDIDATES:
+            return candidates
+        metres = np.array([candidate.chainage_m for candidate in candidates])
+        x = self._cursor.x_of_time(np.nan_to_num(np.array([candidate.time_s for candidate in candidates])))
+        if self._cursor.axis_mode is AxisMode.DISTANCE:
+            x = np.where(np.isfinite(metres), metres, x)
+        spare = 0.05 * (high - low)
+        return [candidates[row] for row in np.flatnonzero((x >= low - spare) & (x <= high + spare))]
 
     def _lay_out(self, rect: QRectF) -> None:
         """Let the view box stand exactly in ``rect``."""
@@ -289,7 +308,12 @@ class PlotFrame(QWidget):
         self._paint_not_assessed(painter, rect)
 
     def _paint_not_assessed(self, painter: QPainter, rect: QRectF) -> None:
+        low, high = self.x_span()
+        start_s, end_s = float(self._cursor.time_of_x(low)), float(self._cursor.time_of_x(high))
+        end_s = max(end_s, self._cursor.range_s[1])  # a stop at the end of the span belongs to it
         for stretch in self._not_assessed:
+            if stretch.end_s < start_s or stretch.start_s > end_s:
+                continue
             left, right = self.pixel_of_time(stretch.start_s), self.pixel_of_time(stretch.end_s)
             area = QRectF(left, rect.top(), max(right - left, 2.0), rect.height()).intersected(rect)
             if not area.isEmpty():
