@@ -124,9 +124,9 @@ def read_session(path: Path) -> CorrelatorSession:
     except _NewerError as error:
         raise LeaklineError(ErrorCode.CORRELATION_SESSION_NEWER, Place(path)) from error
     except _BadKeyError as error:
-        raise LeaklineError(ErrorCode.CORRELATION_SESSION_DAMAGED, Place(path), key=str(error)) from error
+        raise LeaklineError(ErrorCode.CORRELATION_SESSION_DAMAGED, Place(path), entry=str(error)) from error
     except (ValueError, RecursionError) as error:  # no UTF-8, no JSON, or JSON nested without end
-        raise LeaklineError(ErrorCode.CORRELATION_SESSION_DAMAGED, Place(path), key="JSON") from error
+        raise LeaklineError(ErrorCode.CORRELATION_SESSION_DAMAGED, Place(path), entry="JSON") from error
 
 
 def _parsed(raw: bytes) -> object:

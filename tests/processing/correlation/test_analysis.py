@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from correlator_runs import pair_on_disk, pipe_of, source_of
 
+from processing import messages
 from processing.correlation.analysis import Choice, analyse, longest_delay_s, read
 from processing.correlation.correlogram import suppression
 from processing.correlation.phase_fit import DispersionChoice
@@ -24,6 +25,8 @@ def run(folder, what, choice=KNOWN, sync=None, pipe=None):
 
 
 def codes(result):
+    for language in messages.LANGUAGES:
+        assert all(messages.finding_sentence(finding, language).endswith(".") for finding in result.findings)
     return {finding.code for finding in result.findings}
 
 

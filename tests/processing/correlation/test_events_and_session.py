@@ -8,6 +8,7 @@ from correlator_runs import pair_on_disk, pipe_of, source_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from processing import messages
 from processing.correlation.analysis import Choice, analyse, read
 from processing.correlation.correlogram import Suppressed
 from processing.correlation.events import EventOffset, offset_of_event, sync_of_events
@@ -161,7 +162,8 @@ def test_a_damaged_session_is_refused_with_the_key_that_is_wrong(tmp_path, chang
     with pytest.raises(LeaklineError) as caught:
         read_session(path)
     assert caught.value.code is ErrorCode.CORRELATION_SESSION_DAMAGED
-    assert caught.value.params["key"] == key
+    assert caught.value.params["entry"] == key
+    assert all(key in messages.error_sentence(caught.value, language) for language in messages.LANGUAGES)
 
 
 @pytest.mark.parametrize(

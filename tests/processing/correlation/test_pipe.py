@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from processing import messages
 from processing.correlation.pipe import (
     MATERIALS,
     Pipe,
@@ -140,6 +141,7 @@ def test_a_pipe_that_cannot_be_is_refused(pipe, code):
     with pytest.raises(LeaklineError) as caught:
         pipe.checked()
     assert caught.value.code is code
+    assert all(messages.error_sentence(caught.value, language) for language in messages.LANGUAGES)
 
 
 def test_sections_may_miss_the_whole_by_their_uncertainty():
@@ -193,3 +195,4 @@ def test_a_tap_that_tells_nothing_is_refused(tap, code):
     with pytest.raises(LeaklineError) as caught:
         speed_of_tap(one(), tap)
     assert caught.value.code is code
+    assert all(messages.error_sentence(caught.value, language) for language in messages.LANGUAGES)

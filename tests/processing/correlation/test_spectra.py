@@ -6,6 +6,7 @@ import soundfile
 from correlator_runs import source_of
 from scipy import signal
 
+from processing import messages
 from processing.correlation.reading import measure, segments
 from processing.correlation.recordings import Pair, Sync, SyncKind, is_clipped, lay_grid
 from processing.correlation.spectra import coherence_bound
@@ -121,6 +122,7 @@ def test_what_cannot_be_used_is_refused_by_name(tmp_path, spoil, code, name):
         measure(pair, 1.0, silent())
     assert caught.value.code is code
     assert caught.value.place.path.name == name
+    assert all(name in messages.error_sentence(caught.value, language) for language in messages.LANGUAGES)
 
 
 def test_recordings_that_do_not_overlap_are_refused(tmp_path):
