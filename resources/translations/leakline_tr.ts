@@ -542,30 +542,30 @@
     <name>BandMapView</name>
     <message>
         <source>Map of the bands</source>
-        <translation type="unfinished"></translation>
+        <translation>Bant haritası</translation>
     </message>
 </context>
 <context>
     <name>BandPanel</name>
     <message>
         <source>Chosen by hand: {low} to {high}.</source>
-        <translation type="unfinished"></translation>
+        <translation>Elle seçildi: {low}–{high}.</translation>
     </message>
     <message>
         <source>How to ask</source>
-        <translation type="unfinished"></translation>
+        <translation>Nasıl sorulacağı</translation>
     </message>
     <message>
         <source>Measure the selection</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçimi ölç</translation>
     </message>
     <message>
         <source>Take as the leak band</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak bandı yap</translation>
     </message>
     <message>
         <source>{low} to {high}: the sound is measured again in this band</source>
-        <translation type="unfinished"></translation>
+        <translation>{low}–{high}: ses bu bantta yeniden ölçülür</translation>
     </message>
 </context>
 <context>
@@ -1148,7 +1148,7 @@
     </message>
     <message>
         <source>Dispersion</source>
-        <translation>Dağılım</translation>
+        <translation>Dispersiyon</translation>
     </message>
     <message>
         <source>Divide resonances</source>
@@ -1224,7 +1224,7 @@
     </message>
     <message>
         <source>Put back</source>
-        <translation>Geri al</translation>
+        <translation>Geri koy</translation>
     </message>
     <message>
         <source>Put back the peak that was taken out last</source>
@@ -2405,6 +2405,10 @@
 </context>
 <context>
     <name>ReviewPage</name>
+    <message>
+        <source>Band</source>
+        <translation>Bant</translation>
+    </message>
     <message>
         <source>Channels</source>
         <translation>Kanallar</translation>
