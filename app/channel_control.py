@@ -13,6 +13,7 @@ from processing.conditioning.settings import ConditioningSettings
 from processing.errors import LeaklineError
 from widgets.channel_panel import ChannelPanel, Choice, FilterSetting
 from widgets.channel_view import ChannelLine, ChannelPicture, ChannelStrip
+from widgets.vocabulary import clock_text
 
 if TYPE_CHECKING:
     from app.page_tools import PageTools
@@ -28,6 +29,7 @@ CHANNELS = (
     "speed",
 )  # processing.conditioning.channels.CHANNELS, without loading it
 _MOST_ROWS = {"ekf": 20_000, "ukf": 20_000}  # their models are Python: some seconds of work
+_MOST_CHANGES = 5
 _LEAST = {"kPa": 0.3, "dB": 3.0, "m/s": 0.1}
 
 
@@ -105,7 +107,10 @@ def channel_picture(
     used = series.coarser(_MOST_ROWS.get(filter_name, len(series.values)))
     out = condition(filter_name, used.values, used.sample_rate_hz, settings, used.valid)
     title = messages.text("channel_titles", channel, language)
-    return ChannelPicture(_strips(series, used, out, title, language), _figures(series, used, out, language))
+    figures = _figures(series, used, out, language)
+    if series.unit == "kPa":
+        figures = "\n".join(part for part in (figures, _changes(results, language)) if part)
+    return ChannelPicture(_strips(series, used, out, title, language), figures)
 
 
 def _strips(
@@ -137,6 +142,29 @@ def _figures(series: "ChannelSeries", used: "ChannelSeries", out: "Conditioned",
     if used is not series:
         parts.append(messages.text("channels", "averaged", language, value=1.0 / used.sample_rate_hz))
     return "  ·  ".join(parts)
+
+
+def _changes(results: "Results", language: str) -> str:
+    """Return a line of the pressure's sudden changes, the largest first; empty where there is none."""
+    from processing.conditioning.transients import find_transients, pressure_rows
+
+    imu = results.recording.imu
+    rows = pressure_rows(imu) if imu is not None else None
+    events = find_transients(rows, results.track) if rows is not None else ()
+    if not events:
+        return ""
+    parts = [
+        messages.text(
+            "channels",
+            f"change_{event.kind}",
+            language,
+            time=clock_text(event.time_s),
+            size=event.size_kpa,
+            hz=event.ringing_hz,
+        )
+        for event in sorted(events, key=lambda event: -abs(event.size_kpa))[:_MOST_CHANGES]
+    ]
+    return messages.text("channels", "changes", language, count=float(len(events)), listed=";  ".join(parts))
 
 
 def _as_any(values: dict[str, str | float]) -> dict[str, Any]:

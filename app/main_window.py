@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 
 from app import actions, appearance, enabling
 from app.actions import ACTIONS, PAGE_TITLES, Page
+from app.band_control import BandControl
 from app.channel_control import ChannelControl
 from app.cleaning_control import CleaningControl
 from app.clock_control import ClockControl
@@ -96,6 +97,7 @@ class MainWindow(QMainWindow):
         self.evidence = EvidenceControl(self._session, self.review_page.tools, self.review_page.why, language, self)
         page = self.review_page
         self.channels = ChannelControl(self._session, page.tools, page.channels, language, self)
+        self.bands = BandControl(self._session, page.spectrogram, page.bands, language, self)
         self.route = RouteControl(
             self._session, services.jobs, self._preferences, self.data_page, self.files, lambda: self.boxes, self
         )
@@ -200,6 +202,7 @@ class MainWindow(QMainWindow):
         self.path.failed.connect(self.notices.tell_error)
         self.player.failed.connect(self.notices.tell_error)
         self.review_page.band_changed.connect(self.files.change_band)
+        self.bands.band_taken.connect(self.files.change_band)
         self.files.band_settled.connect(self.review_page.spectrogram.set_band)
         self.review_page.spectrogram.read_failed.connect(self.notices.tell_error)
         self.data_page.findings.moment_chosen.connect(self._show_moment)
@@ -379,6 +382,7 @@ class MainWindow(QMainWindow):
         self.evidence.stop()
         self.correlator.stop()
         self.cleaning.stop()
+        self.bands.stop()
         self.notices.stop()
         self._memory.save()
         super().closeEvent(event)

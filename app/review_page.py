@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidg
 from app import view_data
 from app.page_tools import PageTools, TabTools
 from processing.survey import TiePoint, Track
+from widgets.band_panel import BandPanel
 from widgets.candidate_table import CandidateRow, CandidateTable
 from widgets.channel_panel import ChannelPanel
 from widgets.clock_panel import ClockPanel
@@ -72,6 +73,7 @@ class ReviewPage(QWidget):
         self.clock = ClockPanel(theme)
         self.why = EvidencePanel(theme)
         self.channels = ChannelPanel(cursor, theme)
+        self.bands = BandPanel(theme)
         self._readout = QLabel()
         self._readout.setObjectName("readout")
         self._readout.setTextFormat(Qt.TextFormat.PlainText)
@@ -112,6 +114,7 @@ class ReviewPage(QWidget):
         self.tools.add_tool("clock", self.tr("Clocks"), self.clock, pages=("sound",))
         self.tools.add_tool("channels", self.tr("Channels"), self.channels, pages=("sound",))
         self.tools.add_tool("spectrum", self.tr("Spectrum"), self.spectrum, pages=("sound",))
+        self.tools.add_tool("bands", self.tr("Band"), self.bands, pages=("sound",))
         self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, beside, self._side)
         foot = QHBoxLayout()
         foot.addWidget(self.playback, 1)

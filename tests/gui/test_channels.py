@@ -129,6 +129,20 @@ def test_a_run_without_the_channel_says_so(opened, qtbot):
     assert "no such channel" in panel._figures.text()
 
 
+@pytest.mark.parametrize("language", messages.LANGUAGES)
+def test_a_pump_and_a_hammer_are_told_with_their_times(opened, language):
+    results = opened[0].results
+    imu = results.recording.imu
+    pump = np.where(imu.time_s > 15.0, 9.0, 0.0)
+    ringing = 20.0 * np.exp(-(imu.time_s - 30.0) / 3.0) * np.cos(2.0 * np.pi * (imu.time_s - 30.0))
+    pressure = imu.pressure_kpa + pump + np.where(imu.time_s > 30.0, ringing, 0.0)
+    told = replace(results, recording=replace(results.recording, imu=replace(imu, pressure_kpa=pressure)))
+    figures = channel_picture(told, "pressure", "kalman", ConditioningSettings(), language).figures
+    assert ("water hammer" if language == "en" else "koç darbesi") in figures
+    assert "0:15" in figures
+    assert "0:30" in figures
+
+
 def test_buttons_are_for_gloves_and_the_settings_open_and_close(opened, qtbot):
     _, panel, tools, _ = opened
     look(qtbot, panel, tools)
