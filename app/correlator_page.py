@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QPushButton,
     QScrollArea,
+    QSizePolicy,
     QSplitter,
     QTabWidget,
     QVBoxLayout,
@@ -64,6 +65,8 @@ class CorrelatorPage(QWidget):
         self.readout = QLabel()
         self.readout.setObjectName("readout")
         self.readout.setTextFormat(Qt.TextFormat.PlainText)
+        for label in (self.place, self.readout):  # long words must not widen the page
+            label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         for plot in self._plots:
             plot.pointed.connect(self.readout.setText)
         self._build_tools(language)
@@ -140,7 +143,7 @@ class CorrelatorPage(QWidget):
         self.peak_name.setPlaceholderText(self.tr("what it is: draw-off, echo …"))
         self.peak_name.setMinimumHeight(_BUTTON_HEIGHT)
         self.peak_name.setMaxLength(60)
-        self.peak_name.setMaximumWidth(220)
+        self.peak_name.setMinimumWidth(80)
         self.suppress = self._button(self.tr("Take peak out"), self.tr("Remove the chosen peak and show the next"))
         self.restore = self._button(self.tr("Put back"), self.tr("Put back the peak that was taken out last"))
         self.restore.setEnabled(False)
@@ -149,7 +152,7 @@ class CorrelatorPage(QWidget):
         self.listen_both = self._button(self.tr("Hear both"), self.tr("A in the left ear, B in the right"))
         for button in (self.listen_a, self.listen_b, self.listen_both):
             button.setCheckable(True)
-        self.band_only = QCheckBox(self.tr("Band only"))
+        self.band_only = QCheckBox(self.tr("Hear band only"))
         self.band_only.setMinimumHeight(_BUTTON_HEIGHT)
         self.band_only.setChecked(True)
         self.set_ready(ready=False)
@@ -202,10 +205,11 @@ class CorrelatorPage(QWidget):
         column.addWidget(self.sketch)
         column.addWidget(plots, 1)
         band = (QLabel(self.tr("Band (Hz)")), self.band_low, self.band_high, self.auto_band, self.hum)
-        column.addLayout(_row(*band, self.listen_a, self.listen_b, self.listen_both, self.band_only))
-        peak = _row(self.suppress, self.restore, self.peak_name)
-        peak.addWidget(self.readout, 1)
-        column.addLayout(peak)
+        first = _row(*band, self.band_only)
+        first.addWidget(self.readout, 1)
+        column.addLayout(first)
+        hear = (self.listen_a, self.listen_b, self.listen_both)
+        column.addLayout(_row(self.suppress, self.restore, self.peak_name, *hear))
         return inner
 
     def _method(self) -> QGroupBox:

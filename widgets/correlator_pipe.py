@@ -29,14 +29,16 @@ class SectionRow(QWidget):
         self.material = QuietCombo()
         for key, name in names:
             self.material.addItem(name, key)
-        self.material.setMinimumHeight(40)
+        self.material.setMinimumSize(92, 40)
+        self.material.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.diameter = OptionalNumber(0.005, 5.0, factor=_MM)
         self.wall = OptionalNumber(0.0005, 0.5, factor=_MM)
         self.speed = OptionalNumber(100.0, 1600.0)
         self.speed_sigma = OptionalNumber(0.0, 500.0)
         for field in self.fields():
             field.value_changed.connect(self._on_change)
-            field.setMinimumWidth(44)
+            digits = "000" if field in (self.length_sigma, self.speed_sigma) else "0000"
+            field.setMinimumWidth(field.fontMetrics().horizontalAdvance(digits) + 18)
         self.material.currentIndexChanged.connect(self._on_change)
 
     def fields(self) -> tuple[OptionalNumber, ...]:
@@ -107,7 +109,7 @@ class PipeTable(QWidget):
             label = QLabel(title)
             label.setWordWrap(True)
             self._grid.addWidget(label, 0, column)
-        for column, stretch in enumerate((4, 2, 5, 3, 3, 3, 2)):
+        for column, stretch in enumerate((4, 2, 6, 3, 3, 3, 2)):
             self._grid.setColumnStretch(column, stretch)
         self._add = QPushButton(self.tr("Add section"))
         self._remove = QPushButton(self.tr("Remove last"))

@@ -1139,10 +1139,6 @@
         <translation>Bant (Hz)</translation>
     </message>
     <message>
-        <source>Band only</source>
-        <translation>Yalnız bant</translation>
-    </message>
-    <message>
         <source>Coherence</source>
         <translation>Uyum</translation>
     </message>
@@ -1169,6 +1165,10 @@
     <message>
         <source>Hear B</source>
         <translation>B'yi dinle</translation>
+    </message>
+    <message>
+        <source>Hear band only</source>
+        <translation>Yalnız bandı dinle</translation>
     </message>
     <message>
         <source>Hear both</source>
