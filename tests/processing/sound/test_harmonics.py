@@ -61,7 +61,7 @@ def test_a_family_without_its_first_line_is_not_taken_for_its_octave():
     assert [h.number for h in found.families[0].harmonics] == [2, 3, 4, 5, 6]
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=8)
 @given(st.floats(12.0, 300.0), st.integers(4, 12), st.integers(0, 50))
 def test_any_speed_is_found_within_its_own_doubt(fundamental, count, seed):
     found = find_harmonics(noise(20, seed) + comb(20, fundamental, [0.02] * count, seed), RATE)
