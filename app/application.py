@@ -71,11 +71,21 @@ class Application(QObject):
             self.window.save_diagnostics()
         self._telling = False
 
+    def warm_up(self) -> None:
+        """Load what opening a survey needs, while the operator is still looking for it."""
+        self.services.jobs.start(lambda _progress: _load_science(), title=self.tr("Loading"), quiet=True)
+
     def shut_down(self) -> None:
         """Stop all work and close the survey."""
         self.services.jobs.stop_all()
         self.services.session.close()
         self.guard.remove()
+
+
+def _load_science() -> None:
+    import processing.importing.folder
+    import processing.pipeline
+    import processing.sound.coarse  # noqa: F401
 
 
 def run_window(path: Path | None, read_only: bool = False) -> int:
@@ -86,6 +96,7 @@ def run_window(path: Path | None, read_only: bool = False) -> int:
     assert isinstance(qt, QApplication)
     application = Application(qt, PreferencesStore(), diagnostics.start_log(log_folder()))
     application.window.show()
+    application.warm_up()
     if path is not None:
         QTimer.singleShot(0, application, lambda: application.window.files.open_path(path, read_only=read_only))
     status = qt.exec()

@@ -104,7 +104,7 @@ class Jobs(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._pool = QThreadPool(self)
-        self._pool.setMaxThreadCount(2)
+        self._pool.setMaxThreadCount(3)  # the work, a look at something beside it, and a search for a sound card
         self._works: dict[Job, _Work] = {}
         self._spent: list[tuple[Job, _Work]] = []  # ended, but perhaps still on their way out of the worker thread
 

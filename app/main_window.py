@@ -273,7 +273,8 @@ class MainWindow(QMainWindow):
 
     def _on_first_sound(self) -> None:
         """Show the sound while the survey is processed, but to nobody who fills in a form before that."""
-        if self.first_sound.is_shown and self._session.folder is not None and self.page == "data":
+        working = any(not job.quiet for job in self._services.jobs.running)
+        if self.first_sound.is_shown and working and self.page == "data":
             self.show_page("sound")
         elif self._session.results is None and not self.first_sound.is_shown and self.page == "sound":
             self.show_page("data")

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy import special
 
 from processing.clock_fit import ClockFit, Line, PairKind, Pairs, doubt_of
 from processing.progress import Progress, silent
@@ -210,7 +210,7 @@ def _best_line(
         counts = counted(drift)
         elsewhere = np.abs(lowest + (np.arange(len(counts)) + 1) * tolerance_s - best_offset) > 8 * tolerance_s
         second = max(second, int(counts[elsewhere].max(initial=0)))
-    chance = cells_tried * float(stats.poisson.sf(best - 1, expected))
+    chance = cells_tried * float(special.pdtrc(best - 1, expected))
     if best < min_pairs or second > _MAX_SECOND_SHARE * best or chance > _MAX_CHANCE:
         return None
     return _fitted(survey_s, shift_s, best_drift, best_offset, middle_s, tolerance_s, len(drifts) > 1, prior)

@@ -48,10 +48,10 @@ def held(monkeypatch):
 def test_the_sound_is_shown_while_the_survey_is_processed_and_then_its_results(qtbot, window, held, tmp_path):
     make_folder(tmp_path).close()
     window.files.open_path(next(tmp_path.glob("*.leakline")))
-    qtbot.waitUntil(lambda: window.first_sound.is_shown, timeout=10_000)
+    qtbot.waitUntil(lambda: window.first_sound.is_shown, timeout=30_000)
     assert window.page == "sound"
     picture = window.review_page.spectrogram
-    qtbot.waitUntil(lambda: picture.is_sharp, timeout=10_000)
+    qtbot.waitUntil(lambda: picture.is_sharp, timeout=30_000)
     assert (window._session.cursor.extent_s[0], window._session.results) == (0.0, None)
     assert "first look" in window.notices.banner.text()
     window.show_path()  # there is no path yet
@@ -70,7 +70,7 @@ def test_the_sound_is_shown_while_the_survey_is_processed_and_then_its_results(q
 def test_processing_that_is_given_up_leaves_the_first_look_and_closing_ends_it(qtbot, window, held, tmp_path):
     make_folder(tmp_path).close()
     window.files.open_path(next(tmp_path.glob("*.leakline")))
-    qtbot.waitUntil(lambda: window.first_sound.is_shown, timeout=10_000)
+    qtbot.waitUntil(lambda: window.first_sound.is_shown, timeout=30_000)
     for job in window._services.jobs.running:
         job.cancel()
     held.set()
@@ -83,11 +83,11 @@ def test_processing_that_is_given_up_leaves_the_first_look_and_closing_ends_it(q
 
 def test_a_device_folder_can_be_looked_at_but_its_form_stays_in_front(qtbot, window, tmp_path):
     window.files.open_path(make_device_folder(tmp_path))
-    qtbot.waitUntil(lambda: window.first_sound.is_shown, timeout=10_000)
+    qtbot.waitUntil(lambda: window.first_sound.is_shown, timeout=30_000)
     assert window.page == "data"
     window.show_sound()
     assert window.page == "sound"
-    qtbot.waitUntil(lambda: window.review_page.spectrogram.is_sharp, timeout=10_000)
+    qtbot.waitUntil(lambda: window.review_page.spectrogram.is_sharp, timeout=30_000)
 
 
 def test_sound_that_cannot_be_read_is_no_first_look_and_no_crash(qtbot, window, held, tmp_path):
@@ -95,7 +95,7 @@ def test_sound_that_cannot_be_read_is_no_first_look_and_no_crash(qtbot, window, 
     folder = next(tmp_path.glob("*.leakline"))
     (folder / "recordings" / "1" / "original" / "audio.wav").write_bytes(b"RIFF")
     window.files.open_path(folder)
-    qtbot.waitUntil(lambda: len(window._services.jobs.running) == 1 or held.is_set(), timeout=10_000)
+    qtbot.waitUntil(lambda: len(window._services.jobs.running) == 1 or held.is_set(), timeout=30_000)
     qtbot.wait(400)
     assert not window.first_sound.is_shown
     held.set()
