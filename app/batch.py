@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
+from app.presets import effective_settings
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.importing.choosing import SURVEY_FILE, folder_of
 from processing.importing.folder import ImportOptions, read_survey
@@ -63,7 +64,7 @@ def _process_recording(
     with tempfile.TemporaryDirectory(prefix="leakline-", ignore_cleanup_errors=True) as scratch:
         cache = Cache(Path(scratch))
         recording = read_recording(path, options, settings.importing, cache, progress.part(0.0, 0.3, "importing"))
-        results = process(survey, recording, settings, cache, progress.part(0.3, 0.9))
+        results = process(survey, recording, effective_settings(settings, survey), cache, progress.part(0.3, 0.9))
         write_exports(results, {}, out, progress.part(0.9, 1.0), _report_language(settings, language))
     return results
 
@@ -74,6 +75,7 @@ def _process_project(path: Path, out: Path, overrides: list[str], language: str,
         options = ImportOptions.from_json(folder.read_import_options(), folder.original_dir)
         files = folder.files()
         recording = read_recording(folder.original_dir, options, settings.importing, folder.cache(), progress, files)
+        settings = effective_settings(settings, survey)
         results = process(survey, recording, settings, folder.cache(), progress.part(0.3, 0.9))
         results, decisions = reviewed(results, folder.review)
         write_exports(results, decisions, out, progress.part(0.9, 1.0), _report_language(settings, language))

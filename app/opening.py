@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.presets import effective_settings
 from processing.errors import LeaklineError
 from processing.importing.column_mapping import MappingStore
 from processing.importing.folder import ImportOptions
@@ -67,7 +68,8 @@ def results_of(source: Source, progress: Progress, growing: "GrowingPass | None"
         progress.part(0.0, 0.3, "importing"),
         source.files,
     )
-    return process(source.survey, recording, source.settings, source.cache, progress.part(0.3, 1.0), growing)
+    settings = effective_settings(source.settings, source.survey)
+    return process(source.survey, recording, settings, source.cache, progress.part(0.3, 1.0), growing)
 
 
 @dataclass(frozen=True)
