@@ -11,13 +11,14 @@ from app.survey_session import SurveySession
 from app.view_data import tiles
 from processing import messages
 from processing.progress import Progress
+from processing.sound.cleanable import NotCleaned, why_not_cleaned
 from widgets.latest_loader import LatestLoader
 from widgets.vocabulary import number
 
 if TYPE_CHECKING:
     from app.review_page import ReviewPage
     from processing.results import Results
-    from processing.sound.cleaning import CleaningContext, CleaningFigures, NotCleaned
+    from processing.sound.cleaning import CleaningContext, CleaningFigures
 
 _REST_MS = 400  # the view must rest so long before figures are worth the work
 
@@ -87,8 +88,6 @@ class CleaningControl(QObject):
         if results is None:
             self._on = False
         else:
-            from processing.sound.cleaning import why_not_cleaned
-
             self._refuse(why_not_cleaned(results))
             if self._on:
                 self._learn(results)
@@ -112,13 +111,11 @@ class CleaningControl(QObject):
         )
 
     def _learnt(self, found: "CleaningContext | NotCleaned") -> None:
-        from processing.sound.cleaning import CleaningContext
-
         self._job = None
-        if isinstance(found, CleaningContext):
-            self._context = found
-        else:
+        if isinstance(found, NotCleaned):
             self._refuse(found)
+        else:
+            self._context = found
         self._show()
 
     def _failed(self, error: Exception) -> None:

@@ -15,7 +15,8 @@ from app.devices.audio_output import FloatBlock, ReadFrames
 from processing.survey import AudioSource
 
 if TYPE_CHECKING:
-    from processing.sound.cleaning import CleaningContext
+    from processing.sound.cleaning import CleaningContext, CleanReader
+    from processing.sound.source import AudioReader
 
 LEAD_FRAMES = 4096  # a filter is run in on so many samples before what is heard
 MOST_GAIN_DB = 36.0  # a band may be so much quieter than the whole
@@ -192,12 +193,17 @@ class Listening:
     def _reader(self, *, cleaned: bool) -> ReadFrames:
         read = self._readers.get(cleaned)
         if read is None:
-            from processing.sound.cleaning import CleanReader
-            from processing.sound.source import AudioReader
-
-            context = self.context
-            clean = cleaned and context is not None
-            reader = CleanReader(self._source, context) if clean and context else AudioReader(self._source)
+            reader = self._opened(cleaned=cleaned)
             self._closers.append(reader.close)
             read = self._readers[cleaned] = reader.read
         return read
+
+    def _opened(self, *, cleaned: bool) -> "AudioReader | CleanReader":
+        context = self.context
+        if cleaned and context is not None:
+            from processing.sound.cleaning import CleanReader
+
+            return CleanReader(self._source, context)
+        from processing.sound.source import AudioReader
+
+        return AudioReader(self._source)

@@ -7,7 +7,6 @@ search for leaks does not use it: it does the same to levels, where nothing has 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from types import TracebackType
 from typing import Self
 
@@ -20,6 +19,7 @@ from processing.settings import CleaningSettings
 from processing.sound.bands import Grid
 from processing.sound.cells import Frames as LevelFrames
 from processing.sound.cells import band_log_power, frames_of
+from processing.sound.cleanable import NotCleaned, why_not_cleaned
 from processing.sound.cleaning_bands import BandCleaner, PhaseGains, phase_gain, usual_share
 from processing.sound.onsets import imu_events
 from processing.sound.orders import Frames, OrderWindows, Turning, turning_of
@@ -28,21 +28,23 @@ from processing.sound.pcm import Samples
 from processing.sound.rolling_noise import listened_bands, rolling_noise, turned_angle
 from processing.sound.scan import SoundScan
 from processing.sound.source import AudioReader
-from processing.survey import AudioSource, ClockMap, FloatArray, ImuSamples, Motion
+from processing.survey import AudioSource, ClockMap, FloatArray, ImuSamples
+
+__all__ = [
+    "CleanReader",
+    "CleaningContext",
+    "CleaningFigures",
+    "NotCleaned",
+    "figures",
+    "learn_cleaning",
+    "prepare_cleaning",
+    "why_not_cleaned",
+]
 
 _LEAST_HEARD = 0.05  # share of the run in which the swelling must be heard to count
 _APART_S = 0.2
 _FELT_S = 0.08  # a bump is felt within so much of being heard
 _SAMPLES, _SAMPLE_S = 8, 0.4  # of the sound, for a figure over a span
-
-
-class NotCleaned(StrEnum):
-    """Why there is nothing to clean with; also keys of [reasons]."""
-
-    NO_SOUND = "cleaning_no_sound"
-    NO_IMU = "cleaning_no_imu"
-    NOT_ROLLING = "cleaning_not_rolling"
-    NOT_HEARD = "cleaning_not_heard"
 
 
 @dataclass(frozen=True)
@@ -66,15 +68,6 @@ class CleaningFigures:
     turns_hz: float
     bumps: int  # ducked, in the parts looked at
     felt: int  # of them, by the accelerometer too
-
-
-def why_not_cleaned(results: Results) -> NotCleaned | None:
-    """Return why this run cannot be cleaned, as far as that is known without listening; None where it may be."""
-    if results.recording.audio is None or results.scan is None:
-        return NotCleaned.NO_SOUND
-    if results.recording.imu is None:
-        return NotCleaned.NO_IMU
-    return None if results.survey.device.motion is Motion.ROLLING else NotCleaned.NOT_ROLLING
 
 
 def prepare_cleaning(results: Results, progress: Progress | None = None) -> CleaningContext | NotCleaned:

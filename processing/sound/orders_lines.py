@@ -53,7 +53,8 @@ def learn_lines(windows: OrderWindows, progress: Progress | None = None) -> Roll
         Cancelled: the operator stopped it.
     """
     progress = progress or silent()
-    able = [j for j in range(windows.count) if windows.turns(j) >= 0.5 * windows_turns(windows)]
+    enough = 0.5 * windows.turning.usual_hz * 2 * windows.hop / windows.sample_rate_hz
+    able = [j for j in range(windows.count) if windows.turns(j) >= max(enough, 1.0)]
     chosen = [able[i] for i in np.unique(np.linspace(0, len(able) - 1, _LISTENED).astype(int))] if able else []
     peaks: list[tuple[float, npt.NDArray[np.float32]]] = []
     for number, window in enumerate(chosen):
@@ -72,11 +73,6 @@ def learn_lines(windows: OrderWindows, progress: Progress | None = None) -> Roll
         lines = _standing_out(peaks, scales)
     progress.update(1.0)
     return RollingLines(lines.orders, lines.over_noise, _whole_scale(lines))
-
-
-def windows_turns(windows: OrderWindows) -> float:
-    """Return the turns in a window at the run's usual rate."""
-    return windows.turning.usual_hz * 2 * windows.hop / windows.sample_rate_hz
 
 
 def over_noise(spectrum: OrderSpectrum) -> npt.NDArray[np.float32]:

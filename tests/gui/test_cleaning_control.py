@@ -18,7 +18,7 @@ from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.survey import ClockMap, DeviceInfo, Motion
 
-RUN = roll(40.0, seed=6)
+RUN = roll(36.0, seed=6)
 KEY = Qt.Key
 
 
@@ -50,11 +50,16 @@ def window(qtbot, services):
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
 
 
-@pytest.fixture
-def rolling(services, tmp_path):
-    """Results of a run in which the rolling is heard."""
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A recording in which the rolling is heard."""
     sound = noise(len(RUN.time_s), 0.004) + RUN.swelling(0.01) + RUN.lines(0.01)
-    made = recorded(tmp_path / "made", RUN, sound)
+    return recorded(tmp_path_factory.mktemp("made"), RUN, sound)
+
+
+@pytest.fixture
+def rolling(services, made):
+    """Results of a run in which the rolling is heard."""
     plain = make_results(services.session.folder)
     recording = replace(plain.recording, imu=made.imu, audio=made.audio)
     return replace(
