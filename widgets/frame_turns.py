@@ -51,14 +51,20 @@ class FrameTurns(QObject):
             self._waiting.append(view)
         return False
 
-    def took(self, view: TurnTaker, milliseconds: float) -> None:
-        """Take note that a view has been painted anew."""
+    def cost_ms(self, view: TurnTaker) -> float:
+        """Return about how long a view's turn takes; 0 where it has had none."""
+        return self._cost_ms.get(id(view), 0.0)
+
+    def took(self, view: TurnTaker, milliseconds: float, *, done: bool = True) -> None:
+        """Take note that a view has used its turn; one that is not ``done`` waits for the next, behind the others."""
         self._timer.start(0)
         self._spent_ms += milliseconds
         before = self._cost_ms.get(id(view), milliseconds)
         self._cost_ms[id(view)] = _FADE * before + (1.0 - _FADE) * milliseconds
         if view in self._waiting:
             self._waiting.remove(view)
+        if not done:
+            self._waiting.append(view)
 
     def _end(self) -> None:
         if self._spent_ms == 0.0 and self._waiting:

@@ -17,6 +17,7 @@ TickText = Callable[[float, float], str]
 Line = tuple[QPen, QPointF, QPointF]
 Label = tuple[QRectF, Qt.AlignmentFlag, str]
 Specs = tuple[Line, list[Line], list[Label]]
+MOST_TEXTS = 500
 
 
 class PlotAxis(pg.AxisItem):  # type: ignore[misc]  # pyqtgraph has no types
@@ -75,9 +76,12 @@ class CommonAxis(PlotAxis):
         super().__init__("bottom", theme)
         self._mode, self._locale, self._name = AxisMode.TIME, QLocale(), ""
         self._known: tuple[float, tuple[list[float], float, float]] | None = None
+        self._texts: dict[tuple[float, float], str] = {}  # of ticks; a pan shows the same ones again
 
     def show_unit(self, mode: AxisMode, name: str, locale: QLocale) -> None:
         """Count time or metres, under this name."""
+        if (mode, locale) != (self._mode, self._locale) or len(self._texts) > MOST_TEXTS:
+            self._texts.clear()
         self._mode, self._name, self._locale = mode, name, locale
         self._known = None
 
@@ -104,7 +108,9 @@ class CommonAxis(PlotAxis):
         for value in values:
             x = (value - low) / (high - low) * width
             lines.append((pen, QPointF(x, 0.0), QPointF(x, 4.0)))
-            text = x_text(value, step, self._mode, self._locale)
+            text = self._texts.get((value, step))
+            if text is None:
+                text = self._texts[value, step] = x_text(value, step, self._mode, self._locale)
             middle = min(x, width + 2 - 0.5 * metrics.horizontalAdvance(text))
             box = QRectF(middle - widest, 4.0, 2 * widest, metrics.height())
             labels.append((box, Qt.AlignmentFlag.AlignCenter, text))
@@ -122,6 +128,7 @@ class ValueAxis(PlotAxis):
         self._scale: Scale | None = None
         self._name, self._left = "", 0.0
         self._text: TickText = _no_text
+        self._specs: tuple[object, Specs] | None = None  # for what, and what is drawn
 
     def show_scale(self, scale: Scale | None, name: str = "", text: TickText | None = None, left: float = 0.0) -> None:
         """Draw this scale under a name; ``text`` makes a label of a value and the step between ticks.
@@ -144,6 +151,12 @@ class ValueAxis(PlotAxis):
         del painter
         if self._scale is None:
             return None
+        key = (self._scale, self._name, self._left, self._text, self._theme, self.size().toTuple())
+        if self._specs is None or self._specs[0] != key:
+            self._specs = (key, self._new_specs())
+        return self._specs[1]
+
+    def _new_specs(self) -> Specs:
         line_height, width, height = self._theme.metrics().height(), self.size().width(), self.size().height()
         ticks = self.ticks(height)
         step = min((b - a for (a, _), (b, _) in pairwise(ticks)), default=1.0)

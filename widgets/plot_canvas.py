@@ -7,6 +7,7 @@ in a pool of threads that it waits for. Mouse and keys pass through the canvas t
 
 from collections.abc import Callable
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 import pyqtgraph as pg
@@ -158,9 +159,12 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]  # pyqtgraph has no types
         """
         self.setVisible(numbers.size > 0)
         if numbers.size:
-            self._colours = colours
-            self.setImage(np.ascontiguousarray(numbers), autoLevels=False)
+            # what pyqtgraph's setImage would do, without telling the view box and everyone who might listen
+            self.prepareGeometryChange()
+            self._colours, self.image = colours, np.ascontiguousarray(numbers)
+            self._renderRequired = True
             self.setRect(area)
+            self.update()
 
     def render(self) -> None:
         """Make the image that is laid down; pyqtgraph would walk through the colours one by one."""
@@ -215,8 +219,13 @@ class ColumnsItem(PictureItem):
 
 def shades(colour: QColor) -> list[int]:
     """Return a colour in 256 steps of opacity, 0xaarrggbb."""
-    opacity = np.arange(256, dtype=np.uint32) * np.uint32(colour.alpha()) // np.uint32(255)
-    table: list[int] = ((opacity << np.uint32(24)) | np.uint32(colour.rgb() & 0xFFFFFF)).tolist()
+    return _shades(colour.rgba())
+
+
+@lru_cache(maxsize=32)
+def _shades(rgba: int) -> list[int]:
+    opacity = np.arange(256, dtype=np.uint32) * np.uint32(rgba >> 24) // np.uint32(255)
+    table: list[int] = ((opacity << np.uint32(24)) | np.uint32(rgba & 0xFFFFFF)).tolist()
     return table
 
 

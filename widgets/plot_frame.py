@@ -19,12 +19,13 @@ from processing.survey import Candidate, Channel, Decision, Stretch
 from widgets.plot_axes import CommonAxis, ValueAxis
 from widgets.plot_canvas import Keep, KeptCanvas, PaintedItem, plot_item
 from widgets.plot_marks import Marks
-from widgets.plot_paint import paint_hatch
+from widgets.plot_paint import lay_elsewhere, paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
 
 FEW_CANDIDATES = 8
+SPLIT_MS = 3.0  # a step that takes longer is done in two turns
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,8 @@ class PlotFrame(QWidget):
         self._channel: Channel | None = None  # which stretches concern this plot; None: all
         self._stale = self._is_urgent = True
         self._kept: _Kept | None = None
+        self._ready_span: tuple[float, float] | None = None  # for which the items are up to date, but not yet painted
+        self._painted_span: tuple[float, float] | None = None  # while they are
         self._rect: QRectF | None = None
         self._laid_out: QRectF | None = None
         self._mark_pixmaps: VerdictMarks | None = None
@@ -113,7 +116,7 @@ class PlotFrame(QWidget):
 
     def x_span(self) -> tuple[float, float]:
         """Return which span of the common axis the plot shows, in the axis' unit."""
-        return self._cursor.x_range
+        return self._cursor.x_range if self._painted_span is None else self._painted_span
 
     def columns(self) -> int:
         """Return how many device pixels the plot is wide."""
@@ -208,46 +211,44 @@ class PlotFrame(QWidget):
 
     def _paint(self, painter: QPainter) -> None:
         """Lay down what is kept, painted anew where that is due, and the cursor over it."""
-        ratio, turns = self.devicePixelRatioF(), self._cursor.turns
-        if self._kept is None or self._kept.picture.devicePixelRatio() != ratio:
-            self._stale = self._is_urgent = True
-        if self._kept is None or (self._stale and (self._is_urgent or turns.may_paint(self))):
-            began = time.thread_time()
+        ratio = self.devicePixelRatioF()
+        if self._kept is None or self._kept.picture.devicePixelRatio() != ratio or (self._stale and self._is_urgent):
             self._prepare()
-            self._kept = _Kept(self._canvas.picture(), self.x_span())
-            turns.took(self, 1e3 * (time.thread_time() - began))
+            self._kept = self._new_picture()
+        elif (self._stale or self._ready_span is not None) and self._cursor.turns.may_paint(self):
+            self._kept = self._step(self._kept)
         if self._kept.x_span == self.x_span():
             painter.drawPixmap(0, 0, self._kept.picture)
         else:
-            self._lay_elsewhere(painter, self._kept, ratio)
+            left, right = (self.pixel_of_x(x) for x in self._kept.x_span)
+            lay_elsewhere(painter, self._kept.picture, self.plot_rect(), (left, right), self._theme)
         self._paint_over(painter)
 
-    def _lay_elsewhere(self, painter: QPainter, kept: _Kept, ratio: float) -> None:
-        """Lay down a picture of another span: what it shows of this one, where it belongs; axes up and down stay."""
-        rect, (low, high), height = self.plot_rect(), kept.x_span, float(self.height())
-        beside, end = rect.left() * ratio, rect.right() + 1
-        painter.drawPixmap(QPointF(0.0, 0.0), kept.picture, QRectF(0.0, 0.0, beside, height * ratio))
-        values = QRectF(end * ratio, 0.0, (self.width() - end) * ratio, height * ratio)
-        painter.drawPixmap(QPointF(end, 0.0), kept.picture, values)
-        left, right = self.pixel_of_x(low), self.pixel_of_x(high)
-        if abs((right - left) - rect.width()) < 0.5 / ratio:  # only shifted: no pixel need be stretched
-            left = rect.left() + round((left - rect.left()) * ratio) / ratio
-            right = left + rect.width()
-        scale = (right - left) / rect.width()
-        first, last = max(left, rect.left()), min(right, rect.right())
-        ground, canvas = QColor(self._theme.background), QColor(self._theme.canvas)
-        painter.fillRect(QRectF(0.0, rect.bottom() + 1, rect.left(), height), ground)
-        for start, stop in ((rect.left(), min(first, end)), (max(last, rect.left()), end)):  # not in the picture
-            painter.fillRect(QRectF(start, 0.0, stop - start, height), ground)
-            painter.fillRect(QRectF(start, rect.top(), stop - start, rect.height()), canvas)
-        if last - first < 1.0:
-            return
-        source = QRectF(rect.left() + (first - left) / scale, 0.0, (last - first) / scale, height)
-        source = QRectF(source.topLeft() * ratio, source.size() * ratio)
-        painter.drawPixmap(QRectF(first, 0.0, last - first, height), kept.picture, source)
+    def _step(self, kept: _Kept) -> _Kept:
+        """Use the turn: bring the items up to date, or paint them; both in one where that takes little."""
+        began, turns = time.thread_time(), self._cursor.turns
+        dear = turns.cost_ms(self) > SPLIT_MS
+        if self._ready_span is None:
+            self._prepare()
+            if dear:
+                turns.took(self, 1e3 * (time.thread_time() - began), done=False)
+                return kept
+        new = self._new_picture()
+        turns.took(self, 1e3 * (time.thread_time() - began), done=not self._stale)
+        return new
+
+    def _new_picture(self) -> _Kept:
+        """Paint the items for the span that they were brought up to date for, which may have moved on since."""
+        span = self._ready_span if self._ready_span is not None else self.x_span()
+        self._painted_span = span
+        try:
+            return _Kept(self._canvas.picture(), span)
+        finally:
+            self._painted_span = self._ready_span = None
 
     def _prepare(self) -> None:
         self._stale = self._is_urgent = False
+        self._ready_span = self.x_span()
         rect, whole = self.plot_rect(), QRectF(self.rect())
         self._lay_out(rect)
         self._plot.vb.setRange(xRange=self.x_span(), padding=0.0, disableAutoRange=False)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QPainter, QPen
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPixmap
 
 from processing.survey import FloatArray
 from widgets.plot_theme import Theme
@@ -53,6 +53,33 @@ def paint_tag(painter: QPainter, theme: Theme, text: str, box: QRectF, *, strong
     painter.drawRoundedRect(box, 3, 3)
     painter.setPen(QColor(theme.text))
     painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+
+def lay_elsewhere(painter: QPainter, picture: QPixmap, rect: QRectF, ends: tuple[float, float], theme: Theme) -> None:
+    """Lay down the picture of a whole plot whose data, drawn in ``rect``, now reach between the pixels ``ends``.
+
+    The axes up and down stay where they are; what the picture does not hold is left empty.
+    """
+    ratio, end = picture.devicePixelRatio(), rect.right() + 1
+    width, height = picture.width() / ratio, picture.height() / ratio
+    painter.drawPixmap(QPointF(0.0, 0.0), picture, QRectF(0.0, 0.0, rect.left() * ratio, height * ratio))
+    values = QRectF(end * ratio, 0.0, (width - end) * ratio, height * ratio)
+    painter.drawPixmap(QPointF(end, 0.0), picture, values)
+    left, right = ends
+    if abs((right - left) - rect.width()) < 0.5 / ratio:  # only shifted: no pixel need be stretched
+        left = rect.left() + round((left - rect.left()) * ratio) / ratio
+        right = left + rect.width()
+    scale = (right - left) / rect.width()
+    first, last = max(left, rect.left()), min(right, rect.right())
+    ground, canvas = QColor(theme.background), QColor(theme.canvas)
+    painter.fillRect(QRectF(0.0, rect.bottom() + 1, rect.left(), height), ground)
+    for start, stop in ((rect.left(), min(first, end)), (max(last, rect.left()), end)):
+        painter.fillRect(QRectF(start, 0.0, stop - start, height), ground)
+        painter.fillRect(QRectF(start, rect.top(), stop - start, rect.height()), canvas)
+    if last - first >= 1.0:
+        source = QRectF(rect.left() + (first - left) / scale, 0.0, (last - first) / scale, height)
+        source = QRectF(source.topLeft() * ratio, source.size() * ratio)
+        painter.drawPixmap(QRectF(first, 0.0, last - first, height), picture, source)
 
 
 def free_box(
