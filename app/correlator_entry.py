@@ -1,6 +1,7 @@
 """The door to the correlator: its page is built when it is first asked for, so that nobody else waits for it."""
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,10 +37,12 @@ class CorrelatorEntry(QObject):
         pages: dict[str, QWidget],
         stack: QStackedWidget,
         window: QWidget,
+        where: Callable[[], str] = lambda: "start",
     ) -> None:
         super().__init__(window)
         self._jobs, self._preferences, self._language = jobs, preferences, language
         self._pages, self._stack, self._window = pages, stack, window
+        self._where, self._before = where, "start"
         self.control: CorrelatorControl | None = None
         self.page: CorrelatorPage | None = None
         stack.currentChanged.connect(self._on_page)
@@ -50,9 +53,13 @@ class CorrelatorEntry(QObject):
         return self._preferences.file.with_name("correlator-last.leakcorr")
 
     def show(self) -> None:
-        """Show the correlator's page."""
+        """Show the correlator's page; where it is in front already, go back to what was there before."""
         if self.control is None:
             self._build()
+        if self._where() == PAGE:
+            self.page_asked.emit(self._before)
+            return
+        self._before = self._where()
         self.page_asked.emit(PAGE)
 
     def apply_theme(self, theme: Theme) -> None:

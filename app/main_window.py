@@ -107,7 +107,7 @@ class MainWindow(QMainWindow):
         )
         self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
         self.correlator = CorrelatorEntry(
-            services.jobs, self._preferences, language, self._plain_pages, self._stack, self
+            services.jobs, self._preferences, language, self._plain_pages, self._stack, self, lambda: self.page
         )
         self.help = HelpControl(self, services.log_file)
         self.actions_by_id = actions.build(self, self)

@@ -115,7 +115,10 @@ class CorrelationPlot(XyPlot):
             painter.drawEllipse(place, radius, radius)
             painter.setPen(QColor(self._theme.text))
             above = -1 if peak.height >= 0 else 1
-            box = QRectF(place.x() - 20, place.y() + above * 1.1 * metrics.height() - 10, 40, 20)
+            height = metrics.height()
+            box = QRectF(place.x() - 20, place.y() + above * 1.05 * height - 0.5 * height, 40, height)
+            if box.top() < self.plot_rect().top() or box.bottom() > self.plot_rect().bottom():
+                box.moveCenter(QPointF(place.x() + 1.1 * height, place.y()))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, str(number))
 
     def _paint_over(self, painter: QPainter, rect: QRectF) -> None:
@@ -128,7 +131,8 @@ class CorrelationPlot(XyPlot):
             x = self.x_pixel(metres)
             if rect.left() <= x <= rect.right():
                 painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
-                painter.drawText(QRectF(x + 3, rect.top() + 2, 30, metrics.height()), Qt.AlignmentFlag.AlignLeft, name)
+                foot = QRectF(x + 4, rect.bottom() - metrics.height() - 3, 30, metrics.height())
+                painter.drawText(foot, Qt.AlignmentFlag.AlignLeft, name)
         position = shown.position
         if position is not None and rect.left() <= self.x_pixel(position.from_a_m) <= rect.right():
             x = self.x_pixel(position.from_a_m)
