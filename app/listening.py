@@ -4,7 +4,6 @@ Everything here runs in the playback's thread; the window only replaces :attr:`L
 made of it. So one may switch between raw and cleaned while it plays, and the place is not lost.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.devices.audio_output import FloatBlock, ReadFrames
+from processing.sound.loudness import LOOK_FRAMES, a_weight, usual_power
 from processing.survey import AudioSource
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 LEAD_FRAMES = 4096  # a filter is run in on so many samples before what is heard
 MOST_GAIN_DB = 36.0  # a band may be so much quieter than the whole
-_LOOKS, _LOOK_FRAMES = 16, 8192
 
 Band = tuple[float, float]
 Floats = npt.NDArray[np.float64]
@@ -75,58 +74,34 @@ def band_sections(sample_rate_hz: float, band_hz: Band) -> Floats:
 
 
 class Loudness:
-    """How loud raw and cleaned sound are, by frequency, from short looks at the whole recording.
+    """How loud raw and cleaned sound usually are, so that one can be played as loud as the other.
 
-    Loud is the A-weighted power (IEC 61672-1), so that the rumble that nobody hears does not count. One factor for the
-    whole recording: within a mode, what is louder stays louder.
+    Loud is the A-weighted power, so that the rumble that nobody hears does not count. One factor for the whole
+    recording: within a mode, what is louder stays louder.
     """
 
     def __init__(self, sample_rate_hz: float, frames: int) -> None:
         self._rate_hz, self._frames = sample_rate_hz, frames
-        self._hz = np.fft.rfftfreq(_LOOK_FRAMES, 1.0 / sample_rate_hz)
-        self._weight = a_weight(np.asarray(self._hz, np.float64))
-        self._power: dict[bool, Floats] = {}
+        self._hz = np.asarray(np.fft.rfftfreq(LOOK_FRAMES, 1.0 / sample_rate_hz), np.float64)
+        self._weight = a_weight(self._hz)
+        self._raw: Floats | None = None
 
-    def measure(self, read: ReadFrames, *, cleaned: bool) -> None:
-        """Look at the recording through ``read``, if that has not been done yet."""
-        if cleaned in self._power:
-            return
-        window = np.hanning(_LOOK_FRAMES)
-        powers = []
-        for start in np.unique(np.linspace(0, max(0, self._frames - _LOOK_FRAMES), _LOOKS).astype(int)):
-            block = read(int(start), _LOOK_FRAMES)
-            if block.size == _LOOK_FRAMES:
-                powers.append(np.square(np.abs(np.fft.rfft(block * window))) * self._weight)
-        # the median look: a knock at the launch is not what one listens to
-        self._power[cleaned] = np.median(powers, axis=0) if powers else np.zeros(len(self._hz))
-
-    def gain(self, hearing: Hearing) -> float:
-        """Return the factor that makes this as loud as the raw sound; 1 where that was not measured."""
-        whole, own = self._power.get(False), self._power.get(hearing.cleaned)
-        if whole is None or own is None:
-            return 1.0
+    def gain(self, hearing: Hearing, raw: "AudioReader", cleaned: Floats | None) -> float:
+        """Return the factor that makes this as loud as the raw sound; ``cleaned`` is the usual power of the cleaned."""
+        if self._raw is None:
+            self._raw = usual_power(raw, self._frames)
+        own = cleaned if hearing.cleaned and cleaned is not None else self._raw
         if hearing.band_hz is not None:
             from scipy import signal
 
             sections = band_sections(self._rate_hz, hearing.band_hz)
             _, response = signal.sosfreqz(sections, worN=self._hz, fs=self._rate_hz)
             own = own * np.square(np.abs(response))
-        before, after = float(whole.sum()), float(own.sum())
+        before, after = float(self._raw @ self._weight), float(own @ self._weight)
         if before <= 0.0 or after <= 0.0:
             return 1.0
         gain_db = 10.0 * np.log10(before / after)
         return float(10.0 ** (np.clip(gain_db, -MOST_GAIN_DB, MOST_GAIN_DB) / 20.0))
-
-
-def a_weight(hz: Floats) -> Floats:
-    """Return the A-weighting as a factor of power, 1 at 1 kHz (IEC 61672-1, annex E)."""
-    square = np.square(np.asarray(hz, np.float64))
-    low, high = 20.598997**2, 12194.217**2
-    amplitude = high * square**2
-    amplitude = amplitude / (
-        (square + low) * np.sqrt((square + 107.65265**2) * (square + 737.86223**2)) * (square + high)
-    )
-    return np.asarray(np.square(amplitude * 10.0 ** (2.0 / 20.0)))
 
 
 class Listening:
@@ -146,8 +121,10 @@ class Listening:
     ) -> None:
         self.hearing, self.context, self.matched = hearing, context, matched
         self._source, self._loudness = source, loudness
-        self._readers: dict[bool, ReadFrames] = {}
-        self._closers: list[Callable[[], None]] = []
+        from processing.sound.source import AudioReader  # opens the library that decodes: not before one listens
+
+        self._raw = AudioReader(source)
+        self._clean: CleanReader | None = None
         self._now: Hearing | None = None
         self._chain: ReadFrames | None = None
 
@@ -167,10 +144,9 @@ class Listening:
 
     def close(self) -> None:
         """Close the files; called when the playback's thread has ended."""
-        for close in self._closers:
-            close()
-        self._closers.clear()
-        self._readers.clear()
+        self._raw.close()
+        if self._clean is not None:
+            self._clean.close()
         self._chain = self._now = None
 
     def _possible(self) -> Hearing:
@@ -182,28 +158,18 @@ class Listening:
         read = self._reader(cleaned=hearing.cleaned)
         gain = np.float32(1.0)
         if self.matched and hearing != Hearing():
-            self._loudness.measure(self._reader(cleaned=False), cleaned=False)
-            if hearing.cleaned:
-                self._loudness.measure(self._reader(cleaned=True), cleaned=True)
-            gain = np.float32(self._loudness.gain(hearing))
+            usual = self.context.usual_power if self.context is not None else None
+            gain = np.float32(self._loudness.gain(hearing, self._raw, usual))
         if hearing.band_hz is not None:
             read = BandFilter(read, self._source.sample_rate_hz, hearing.band_hz)
         return lambda at, count: read(at, count) * gain
 
     def _reader(self, *, cleaned: bool) -> ReadFrames:
-        read = self._readers.get(cleaned)
-        if read is None:
-            reader = self._opened(cleaned=cleaned)
-            self._closers.append(reader.close)
-            read = self._readers[cleaned] = reader.read
-        return read
-
-    def _opened(self, *, cleaned: bool) -> "AudioReader | CleanReader":
         context = self.context
-        if cleaned and context is not None:
+        if not cleaned or context is None:
+            return self._raw.read
+        if self._clean is None:
             from processing.sound.cleaning import CleanReader
 
-            return CleanReader(self._source, context)
-        from processing.sound.source import AudioReader
-
-        return AudioReader(self._source)
+            self._clean = CleanReader(self._source, context)
+        return self._clean.read

@@ -6,7 +6,7 @@ search for leaks does not use it: it does the same to levels, where nothing has 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Self
 
@@ -21,6 +21,7 @@ from processing.sound.cells import Frames as LevelFrames
 from processing.sound.cells import band_log_power, frames_of
 from processing.sound.cleanable import NotCleaned, why_not_cleaned
 from processing.sound.cleaning_bands import BandCleaner, PhaseGains, phase_gain, usual_share
+from processing.sound.loudness import usual_power
 from processing.sound.onsets import imu_events
 from processing.sound.orders import Frames, OrderWindows, Turning, turning_of
 from processing.sound.orders_lines import NO_LINES, LineRemover, RollingLines, learn_lines
@@ -58,6 +59,7 @@ class CleaningContext:
     bands_hz: FloatArray  # (b, 2) of the gains
     felt_s: FloatArray  # audio seconds of what the accelerometer felt
     settings: CleaningSettings
+    usual_power: FloatArray | None = None  # of the cleaned sound, see :mod:`processing.sound.loudness`
 
 
 @dataclass(frozen=True)
@@ -120,8 +122,12 @@ def learn_cleaning(
     if gains is None and not len(lines.orders):
         return NotCleaned.NOT_HEARD
     felt_s = clock.to_audio(imu_events(imu).time_s)
+    context = CleaningContext(scan.grid, turning, lines, gains, scan.bands_hz[:-1], felt_s, settings)
+    progress.update(0.9)
+    with CleanReader(audio, context) as clean:
+        context = replace(context, usual_power=usual_power(clean, audio.frames))
     progress.update(1.0)
-    return CleaningContext(scan.grid, turning, lines, gains, scan.bands_hz[:-1], felt_s, settings)
+    return context
 
 
 def _phase_gains(

@@ -6,9 +6,10 @@ import soundfile
 from rolling_sound import RATE_HZ, noise, recorded, roll
 
 from app.devices.slow_sound import SlowSound
-from app.listening import Hearing, Listening, Loudness, a_weight
+from app.listening import Hearing, Listening, Loudness
 from processing.settings import CleaningSettings
 from processing.sound.cleaning import CleanReader, learn_cleaning
+from processing.sound.loudness import a_weight
 from processing.sound.source import AudioReader
 
 BAND = (600.0, 1800.0)
