@@ -24,6 +24,7 @@ _CAPPED_DB = 25.0
 _FEWEST = 3
 _TOLERANCE_BINS = 1.2
 _USED_BINS = 2.0
+_BY_CHANCE = 1e-4  # some hundred fundamentals are tried
 
 
 @dataclass(frozen=True)
@@ -149,13 +150,18 @@ def _best_family(lines: FloatArray, found: Spectrum, most: int) -> tuple[float, 
     """Return the fundamental whose multiples hold most lines and miss fewest, and which line is which harmonic."""
     strongest = lines[np.argsort(-lines[:, 2])[:_LINES_TRIED], 0]
     tried = (strongest[:, None] / np.arange(1, _PARTS_TRIED + 1)).ravel()
+    chance = min(1.0, 2.0 * _TOLERANCE_BINS * len(lines) / len(found.frequency_hz))
     best, chosen = 0.0, None
     for fundamental in np.unique(tried[tried >= max(_LOWEST_HZ, 4.0 * found.bin_hz)]):
         refined, members = _members(float(fundamental), lines, found, most)
         if len(members) < _FEWEST or 2 * len(members) < max(members):
             continue
+        # among many lines some fall on the multiples of anything; one of them made the fundamental
+        missing = max(members) - len(members)
+        if stats.binom.sf(len(members) - 2, len(members) + missing - 1, chance) > _BY_CHANCE:
+            continue
         gained = sum(min(float(lines[row, 2]), _CAPPED_DB) for row in members.values())
-        score = gained - _MISSING_DB * (max(members) - len(members))
+        score = gained - _MISSING_DB * missing
         if score > best:
             best, chosen = score, (refined, members)
     return chosen

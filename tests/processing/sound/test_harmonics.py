@@ -77,6 +77,13 @@ def test_a_leak_raises_the_floor_and_has_no_harmonics():
     assert found.floor_rise_db > 3
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_many_lines_at_random_are_no_family(seed):
+    rng, time = np.random.default_rng(seed), np.arange(int(20 * RATE)) / RATE
+    lines = sum((0.01 * np.sin(2 * np.pi * hz * time) for hz in rng.uniform(100.0, 5900.0, 150)), np.zeros(len(time)))
+    assert len(find_harmonics(noise(20, seed) + lines, RATE).families) <= 1
+
+
 def test_what_always_runs_does_not_stand_over_the_background():
     pump = [0.02] * 8
     found = find_harmonics(noise(30, 9) + comb(30, 33.0, pump), RATE, noise(30, 10) + comb(30, 33.0, pump, seed=3))
