@@ -531,7 +531,7 @@
     </message>
     <message>
         <source>Loading</source>
-        <translation type="unfinished"></translation>
+        <translation>Yükleniyor</translation>
     </message>
     <message>
         <source>Save diagnostics…</source>
@@ -1392,10 +1392,25 @@
     </message>
 </context>
 <context>
+    <name>EvidenceControl</name>
+    <message>
+        <source>known leak</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>EvidencePanel</name>
+    <message>
+        <source>A tap of measured flow: other leaks are sized beside it</source>
+        <translation type="unfinished"></translation>
+    </message>
     <message>
         <source>Dot: here. Bar: {count} places elsewhere (half within). + speaks for a leak, − against.</source>
         <translation>Nokta: burası. Kutu: başka {count} yer (yarısı içinde). + kaçaktan yana, − karşı.</translation>
+    </message>
+    <message>
+        <source>Known leak…</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Level over the surroundings; blue: 95 % of them</source>
@@ -1548,15 +1563,15 @@
     <name>FirstSound</name>
     <message>
         <source>A first look at the sound</source>
-        <translation type="unfinished"></translation>
+        <translation>Sese ilk bakış</translation>
     </message>
     <message>
         <source>A first look at the sound: one moment here and there, until it is processed</source>
-        <translation type="unfinished"></translation>
+        <translation>Sese ilk bakış: işlenene kadar yalnızca yer yer alınmış anlar gösteriliyor</translation>
     </message>
     <message>
         <source>Still listening, {percent} %: beyond that it is a first look, one moment here and there</source>
-        <translation type="unfinished"></translation>
+        <translation>Dinleme sürüyor, %{percent}: ötesi ilk bakış, yalnızca yer yer alınmış anlar</translation>
     </message>
 </context>
 <context>
@@ -1688,6 +1703,45 @@
     <message>
         <source>Stopping …</source>
         <translation>Durduruluyor …</translation>
+    </message>
+</context>
+<context>
+    <name>KnownLeakDialog</name>
+    <message>
+        <source>Cancel</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Flow (L/min)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Known leak</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No known leak</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Pressure (bar)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Size others beside it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>needed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>not known</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name}: how much water came out here while the device passed? A tap opened near the launch and measured with a bucket will do. Other leaks of this run are then sized beside it.</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2103,6 +2157,164 @@
     <message>
         <source>time</source>
         <translation>zaman</translation>
+    </message>
+</context>
+<context>
+    <name>PresetDialog</name>
+    <message>
+        <source>A row of your own, with the values of this one</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Add a copy</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Allowed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Back to what came with the program; a row of your own goes</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Basis</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Cancel</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Inner diameter from, to (mm)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Materials, with commas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Name</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Not possible: {names}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Reset</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Source</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Speed of sound (theory)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Table of presets</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Value</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>What</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name} (copy)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name} (own)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{speed} m/s</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>Presets</name>
+    <message>
+        <source>Background within ±</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Diameter over wall</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Joint to joint (told only)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Large above</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak band from</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak band to</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak's half-width, least (told only)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak's half-width, most (told only)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Loss at 400–800 Hz (told only)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Loss below 400 Hz (told only)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Modulus of the wall</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Size told from</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Size told to</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Small below</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>measured</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>own</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>theory</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>usual</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -3018,6 +3230,10 @@
         <translation>Güzergâh al…</translation>
     </message>
     <message>
+        <source>In the pipe during the run: the size of leaks is told with it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Inner diameter (mm)</source>
         <translation>İç çap (mm)</translation>
     </message>
@@ -3078,6 +3294,10 @@
         <translation>Konum</translation>
     </message>
     <message>
+        <source>Pressure (bar)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Remove route</source>
         <translation>Güzergâhı kaldır</translation>
     </message>
@@ -3094,12 +3314,20 @@
         <translation>Sesin başlangıcı (s)</translation>
     </message>
     <message>
+        <source>Sound preset</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Survey</source>
         <translation>Ölçüm</translation>
     </message>
     <message>
         <source>Surveyed length (m)</source>
         <translation>Ölçülmüş uzunluk (m)</translation>
+    </message>
+    <message>
+        <source>Table of presets…</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>The device is</source>
@@ -3116,6 +3344,10 @@
     <message>
         <source>automatic</source>
         <translation>otomatik</translation>
+    </message>
+    <message>
+        <source>automatic: {preset}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>cast iron</source>
@@ -3144,6 +3376,10 @@
     <message>
         <source>needed</source>
         <translation>gerekli</translation>
+    </message>
+    <message>
+        <source>none</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>or East (m)</source>
@@ -3309,8 +3545,16 @@
         <translation>bilgi</translation>
     </message>
     <message>
+        <source>large</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>leak</source>
         <translation>kaçak</translation>
+    </message>
+    <message>
+        <source>medium</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>not assessed</source>
@@ -3339,6 +3583,10 @@
     <message>
         <source>rolling ball</source>
         <translation>yuvarlanan top</translation>
+    </message>
+    <message>
+        <source>small</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>traffic</source>
