@@ -2,7 +2,8 @@
 
 Run it by hand: ``python tests/benchmarks/bench_views.py [width] [height]``. A frame is all that the window's thread
 does for one step of panning or zooming, from the cursor's signal to the painted pixels; reads by workers run beside it.
-``cpu`` is the time of that thread alone, which other work stretches little; ``wall`` is what one waits.
+``cpu`` is the time of that thread alone, which other work stretches little; ``wall`` is what one waits. Of the sound
+page (``... bench_views.py 1920 1000 sound``) every turn of the event loop in which something was painted is a frame.
 """
 
 import os
@@ -163,6 +164,45 @@ def build(cursor, window):
     return views
 
 
+def report_sound_page(application, cursor, views):
+    """Print percentiles of all frames while the page of four linked views is panned, zoomed, and listened to."""
+    for name in ("profile", "path"):
+        views[name].hide()
+    for name in ("overview", "spectrogram", "level"):
+        views[name].set_x_axis_visible(False)  # as on the page
+    print(f"{'sound page':40}{'n':>6}{'cpu p50':>9}{'p95':>7}{'p99':>7}{'wall p50':>10}{'p95':>7}{'p99':>7}")
+    for mode in ("time", "distance"):
+        cursor.set_axis_mode(mode)
+        cursor.fit()
+        cursor.zoom(0.1, cursor.x_extent[1] / 3.0)
+        step = 0.005 * cursor.x_extent[1]
+        for name, move in (
+            ("panning", lambda k, step=step: cursor.pan(step if k < 75 else -step)),
+            ("zooming", lambda k: cursor.zoom(0.9 if k % 30 < 15 else 1.0 / 0.9)),
+            ("moving the cursor", lambda k: cursor.set_time(600.0 + 5.0 * k, reveal=False)),
+        ):
+            cpu, wall = zip(*turns_of_the_loop(application, move), strict=True)
+            figures = (*np.percentile(cpu, (50, 95, 99)), *np.percentile(wall, (50, 95, 99)))
+            widths = (9, 7, 7, 10, 7, 7)
+            text = "".join(f"{figure:{width}.1f}" for figure, width in zip(figures, widths, strict=True))
+            print(f"{mode + ', ' + name:40}{len(cpu):6}{text}")
+
+
+def turns_of_the_loop(application, move, steps=150):
+    """Return (cpu, wall) in ms of each turn that painted something: a step every 16 ms, and what follows from it."""
+    found = []
+    for k in range(steps):
+        for phase in range(2):
+            wall, cpu = time.perf_counter(), time.thread_time()
+            if phase == 0:
+                move(k)
+            application.processEvents()
+            found.append((1e3 * (time.thread_time() - cpu), 1e3 * (time.perf_counter() - wall)))
+            if phase == 0:
+                time.sleep(0.016)
+    return [frame for frame in found[2 * WARM_UP :] if frame[0] > 0.2]
+
+
 def main():
     width, height = (int(a) for a in sys.argv[1:3]) if len(sys.argv) > 2 else (1920, 1000)
     application = QApplication([])
@@ -175,6 +215,11 @@ def main():
         application.processEvents()
     unit = yardstick_ms(width, height)
     print(f"{width}×{height}, yardstick (blit of the window): {unit:.2f} ms of cpu")
+    if "sound" in sys.argv:
+        report_sound_page(application, cursor, views)
+        window.close()
+        views["spectrogram"].set_source(None)
+        return
     print(f"{'':40}{'cpu ms':>16}{'blits':>16}{'wall ms':>16}")
     print(f"{'':40}{'median':>8}{'worst':>8}{'median':>8}{'worst':>8}{'median':>8}{'worst':>8}")
 
