@@ -1,7 +1,6 @@
 """Measuring on site with the correlator: the speed of sound by taps, the clocks by taps or by knocks on both."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
@@ -11,7 +10,7 @@ from app.jobs import Jobs
 from processing import messages
 from processing.correlation.events import offset_of_event
 from processing.correlation.pipe import Pipe
-from processing.correlation.recordings import Pair, SyncKind
+from processing.correlation.recordings import Pair, Sync, SyncKind
 from processing.correlation.speed import Tap, speed_of_both_ends, speed_of_tap
 from processing.errors import LeaklineError
 from widgets.plot_scale import number_text
@@ -44,6 +43,7 @@ class CorrelatorMeasuring(QObject):
         self._jobs, self._page, self._language = jobs, page, language
         self._pair, self._result = pair, result
         self._taps: dict[str, Tap] = {}
+        self._tapped_s = 0.0  # seconds of A
         page.taps.tap_asked.connect(self.measure_speed)
         page.clock.event_asked.connect(self.find_event)
 
@@ -61,6 +61,7 @@ class CorrelatorMeasuring(QObject):
             self._page.taps.say(self.tr("Enter at which metre from A you tapped."))
             return
         tap = Tap(place, result.delay_s, result.delay_sigma_s)
+        self._tapped_s = float(result.spectra.part_s.mean())
         try:
             if where != "place":
                 self._taps[where] = tap
@@ -85,7 +86,7 @@ class CorrelatorMeasuring(QObject):
             return
         sync = page.clock.sync()
         offset_s = sync.offset_s + measured.offset_s
-        page.clock.set_sync(replace(sync, kind=SyncKind.TAPS, offset_s=offset_s, sigma_s=measured.offset_sigma_s))
+        page.clock.set_sync(Sync(SyncKind.TAPS, offset_s, measured.offset_sigma_s, sync.drift_ppm, self._tapped_s))
         text += " " + self.tr("Clock offset {offset} ms.").format(offset=number_text(1e3 * offset_s, 2, locale))
         self._taps.clear()
         page.taps.say(text)
@@ -101,7 +102,9 @@ class CorrelatorMeasuring(QObject):
         bare = Pair(pair.a, pair.b)
 
         def done(found: "EventOffset") -> None:
-            sync = replace(self._page.clock.sync(), offset_s=found.offset_s, sigma_s=found.sigma_s)
+            sync = Sync(
+                SyncKind.EVENT, found.offset_s, found.sigma_s, self._page.clock.sync().drift_ppm, found.moment_s
+            )
             self._page.clock.set_sync(sync)
             self._page.stretch.set_stretch(0.0, None)
             self.clock_measured.emit()

@@ -117,7 +117,9 @@ class ClockBox(QGroupBox):
         ):
             self.kind.addItem(text, kind.value)
         self.kind.activated.connect(self._on_change)
+        self._at_s = 0.0  # when the offset held; a typed one holds at the beginning
         self.offset = OptionalNumber(-1e7, 1e7, factor=_MS, hint="0")
+        self.offset.value_changed.connect(self._forget_moment)
         self.sigma = OptionalNumber(0.0, 1e4, factor=_MS, hint="0")
         self.drift = OptionalNumber(-MOST_DRIFT_PPM, MOST_DRIFT_PPM, hint="0")
         self.drift.setToolTip(self.tr("How much faster B's clock runs; what remains is found from the sound itself"))
@@ -148,7 +150,7 @@ class ClockBox(QGroupBox):
         kind = SyncKind(self.kind.currentData())
         if kind is SyncKind.ONE_CLOCK:
             return Sync(kind)
-        return Sync(kind, self.offset.value or 0.0, self.sigma.value or 0.0, self.drift.value or 0.0)
+        return Sync(kind, self.offset.value or 0.0, self.sigma.value or 0.0, self.drift.value or 0.0, self._at_s)
 
     def set_sync(self, sync: Sync) -> None:
         """Show this without a signal."""
@@ -156,7 +158,11 @@ class ClockBox(QGroupBox):
         self.offset.set_value(sync.offset_s or None)
         self.sigma.set_value(sync.sigma_s or None)
         self.drift.set_value(sync.drift_ppm or None)
+        self._at_s = sync.at_s
         self._show_fields()
+
+    def _forget_moment(self) -> None:
+        self._at_s = 0.0
 
     def _on_change(self) -> None:
         self._show_fields()

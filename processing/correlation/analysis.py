@@ -7,6 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from processing.correlation.correlogram import (
     NO_DISPERSION,
     Correlogram,
@@ -33,6 +35,7 @@ _SIGNIFICANT = 0.01
 _MOST_DISPERSION = 0.03
 _UNKNOWN_REACH_S = 0.5
 _SYNC_FLOOR_S = 2e-5  # sensors, cables and converters are not alike to better than that
+_CRYSTAL_PPM = 15.0  # 1 sigma of a recorder's clock that nobody compared
 _AMBIGUOUS = 2.5
 _DEFAULT_BAND = Band(20.0, 2000.0)
 
@@ -121,13 +124,16 @@ def read(pair: Pair, pipe: Pipe, progress: Progress) -> Reading:
         spectra = measure(replace(pair, sync=moving), segment_s, progress.part(0.5, 1.0))
         read_with_ppm, ppm = ppm, 0.0
     progress.update(1.0)
-    return _without_drift(spectra, weight, longest_s, read_with_ppm, ppm)
+    return _without_drift(spectra, weight, longest_s, (read_with_ppm, ppm), pair.sync.at_s)
 
 
 def _without_drift(
-    spectra: CrossSpectra, weight: FloatArray, longest_s: float, read_with_ppm: float, ppm: float
+    spectra: CrossSpectra, weight: FloatArray, longest_s: float, ppms: tuple[float, float], at_s: float
 ) -> Reading:
-    moved = undrifted(spectra, ppm)
+    """Return spectra read with the first of ``ppms``, freed of the second, and of what the parts still show."""
+    read_with_ppm, ppm = ppms
+    middle_s = float(np.average(spectra.part_s, weights=spectra.used))
+    moved = undrifted(spectra, ppm, middle_s)
     tops = peaks(correlate(moved, moved.s_ab, weight, longest_s), 1)
     if not tops or tops[0].probability > _SIGNIFICANT:
         return Reading(spectra)
@@ -135,7 +141,7 @@ def _without_drift(
     if rest is None:
         return Reading(spectra)
     drift = Drift(read_with_ppm + ppm + rest.ppm, rest.sigma_ppm, rest.span_s)
-    return Reading(undrifted(spectra, ppm + rest.ppm) if drift.significant else spectra, drift)
+    return Reading(undrifted(spectra, ppm + rest.ppm, at_s) if drift.significant else spectra, drift)
 
 
 def analyse(reading: Reading, pipe: Pipe, sync: Sync, choice: Choice) -> Correlation:
@@ -179,13 +185,25 @@ def analyse(reading: Reading, pipe: Pipe, sync: Sync, choice: Choice) -> Correla
     if phase is not None and choice.dispersion.reference_hz is None and _is_bent(phase):
         # nobody said at which frequency the speed holds: an e-fold either way
         sigma_s = math.hypot(sigma_s, phase.dispersion.slope * delay_s)
-    clock_s = math.hypot(sync.sigma_s, _SYNC_FLOOR_S)
+    clock_s = _clock_sigma_s(reading, sync)
     position = locate(pipe, delay_s, sigma_s, clock_s) if significant and sync.known else None
     result = Correlation(
         spectra, band, found is not None, gain, hum, weight, gram, tops, chosen, phase, parts, reading.drift,
         resonances, delay_s, sigma_s, position, (),
     )  # fmt: skip
     return replace(result, findings=tuple(_findings(result, pipe, sync)))
+
+
+def _clock_sigma_s(reading: Reading, sync: Sync) -> float:
+    """Return how far the clocks may be apart in the middle of the recording: offset, drift since, and converters."""
+    if sync.kind is SyncKind.ONE_CLOCK:
+        return _SYNC_FLOOR_S
+    spectra, drift = reading.spectra, reading.drift
+    since_s = abs(float(np.average(spectra.part_s, weights=spectra.used)) - sync.at_s)
+    ppm = _CRYSTAL_PPM if sync.drift_ppm == 0.0 else 0.0  # nobody measured it, neither the operator nor the sound
+    if drift is not None:
+        ppm = drift.sigma_ppm if drift.significant else min(math.hypot(drift.ppm, drift.sigma_ppm), _CRYSTAL_PPM)
+    return math.sqrt(sync.sigma_s**2 + _SYNC_FLOOR_S**2 + (1e-6 * ppm * since_s) ** 2)
 
 
 def _usual_band(spectra: CrossSpectra) -> Band:

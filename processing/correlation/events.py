@@ -68,7 +68,7 @@ def sync_of_events(events: tuple[EventOffset, ...]) -> Sync:
         return Sync(SyncKind.UNKNOWN)
     first = events[0]
     if len(events) == 1:
-        return Sync(SyncKind.EVENT, first.offset_s, first.sigma_s)
+        return Sync(SyncKind.EVENT, first.offset_s, first.sigma_s, at_s=first.moment_s)
     moments = np.array([event.moment_s for event in events])
     offsets = np.array([event.offset_s for event in events])
     slope, start = np.polyfit(moments, offsets, 1)

@@ -128,10 +128,9 @@ def drift_of(parts: PartDelays) -> Drift | None:
     return Drift(1e6 * slope, 1e6 * scatter / math.sqrt(information), span_s)
 
 
-def undrifted(spectra: CrossSpectra, drift_ppm: float) -> CrossSpectra:
-    """Return spectra with each part's delay moved back to what it was in the middle of the recording."""
-    middle = float(np.average(spectra.part_s, weights=spectra.used))
-    moved_s = 1e-6 * drift_ppm * (spectra.part_s - middle)
+def undrifted(spectra: CrossSpectra, drift_ppm: float, at_s: float) -> CrossSpectra:
+    """Return spectra with each part's delay moved back to what it was at ``at_s``, when the clocks were compared."""
+    moved_s = 1e-6 * drift_ppm * (spectra.part_s - at_s)
     turn = np.exp(2j * np.pi * np.outer(moved_s, spectra.frequency_hz))
     return replace(spectra, ab=spectra.ab * turn)
 
@@ -149,9 +148,10 @@ def search_drift(spectra: CrossSpectra, weight: FloatArray, longest_s: float, mo
     step_ppm = max(0.25e6 / (highest_hz * span_s), most_ppm / 60.0)
     count = int(most_ppm / step_ppm)
     best, best_ppm = 0.0, 0.0
+    middle_s = float(np.mean(spectra.part_s))
     for number in sorted(range(-count, count + 1), key=abs):
         ppm = number * step_ppm
-        gram = correlate(spectra, undrifted(spectra, ppm).s_ab, weight, longest_s)
+        gram = correlate(spectra, undrifted(spectra, ppm, middle_s).s_ab, weight, longest_s)
         top = peaks(gram, 1)
         height = abs(top[0].height) if top else 0.0
         if height > best * (1.02 if number else 1.0):

@@ -44,7 +44,7 @@ def segments(pair: Pair, grid: Grid) -> Iterator[Segment]:
         for index in range(grid.segments):
             at_a = first_a + index * hop_a
             start_s = at_a / grid.rate_a_hz
-            wanted_s = (start_s - pair.sync.offset_s) * (1.0 + 1e-6 * pair.sync.drift_ppm)
+            wanted_s = pair.sync.in_b(start_s)
             at_b = max(0, round(wanted_s * grid.rate_b_hz))
             a, b = reader_a.read(at_a, grid.count_a), reader_b.read(at_b, grid.count_b)
             if len(a) < grid.count_a or len(b) < grid.count_b:

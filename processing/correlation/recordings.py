@@ -25,12 +25,20 @@ class SyncKind(StrEnum):
 
 @dataclass(frozen=True)
 class Sync:
-    """Recording B began ``offset_s`` after A (± ``sigma_s``), and its clock runs ``drift_ppm`` fast."""
+    """Recording B began ``offset_s`` after A (± ``sigma_s``), and its clock runs ``drift_ppm`` fast.
+
+    The offset holds at ``at_s`` (seconds of A): the moment of the knocks or taps that told it.
+    """
 
     kind: SyncKind = SyncKind.ONE_CLOCK
     offset_s: float = 0.0
     sigma_s: float = 0.0
     drift_ppm: float = 0.0
+    at_s: float = 0.0
+
+    def in_b(self, moment_s: float) -> float:
+        """Return where in B's recording (its own seconds) a moment of A lies."""
+        return moment_s - self.offset_s + 1e-6 * self.drift_ppm * (moment_s - self.at_s)
 
     @property
     def known(self) -> bool:
@@ -56,7 +64,8 @@ class Pair:
     def common_span_s(self) -> tuple[float, float]:
         """Return from when to when (seconds of A) both recordings have sound within the chosen stretch."""
         first = max(0.0, self.start_s, self.sync.offset_s)
-        last = min(self.a.duration_s, self.sync.offset_s + self.b.duration_s / (1.0 + 1e-6 * self.sync.drift_ppm))
+        late_s = self.sync.in_b(self.a.duration_s) - self.b.duration_s  # how much of A has no sound in B any more
+        last = self.a.duration_s - max(0.0, late_s)
         return first, last if self.end_s is None else min(last, self.end_s)
 
     def stretch(self, start_s: float, end_s: float | None) -> "Pair":

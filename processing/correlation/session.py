@@ -3,7 +3,8 @@
 Keys (all but ``format``, ``version``, ``a`` and ``b`` may be left out):
     ``format`` "leakline-correlator", ``version`` 1
     ``a``, ``b``    ``{"files": ["a.wav"], "channel": 0}``; files as seen from the session's folder
-    ``sync``        ``{"kind": "one_clock|typed|event|taps|unknown", "offset_s", "sigma_s", "drift_ppm"}``
+    ``sync``        ``{"kind": "one_clock|typed|event|taps|unknown", "offset_s", "sigma_s", "drift_ppm",
+                    "at_s"}``
     ``start_s``, ``end_s``   the stretch of A that is used; ``end_s`` null is to the end
     ``distance_m``  from sensor to sensor as measured, or null
     ``sections``    list of ``{"length_m", "material", "diameter_m", "wall_m", "speed_mps", "speed_sigma_mps",
@@ -250,6 +251,7 @@ def _sync(data: _Table) -> Sync:
         data.number("offset_s", -1e7, 1e7, 0.0),
         data.number("sigma_s", 0.0, 1e4, 0.0),
         data.number("drift_ppm", -MOST_DRIFT_PPM, MOST_DRIFT_PPM, 0.0),
+        data.number("at_s", -1e7, 1e7, 0.0),
     )
 
 

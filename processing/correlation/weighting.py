@@ -106,7 +106,8 @@ def auto_band(spectra: CrossSpectra, within: Band | None = None) -> Band | None:
     low_hz, high_hz = float(frequency[low]), float(frequency[high - 1])
     if high_hz - low_hz < 2.0 * spectra.smoothing_bins * spectra.step_hz and high_hz < 1.15 * low_hz:
         return None
-    return Band(max(low_hz, _LEAST_HZ), high_hz)
+    reached = frequency[usable]
+    return Band(max(low_hz, float(reached[0])), min(high_hz, float(reached[-1])))
 
 
 def _best_run(values: FloatArray) -> tuple[int, int]:

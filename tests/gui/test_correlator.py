@@ -16,7 +16,9 @@ from app.correlator_listening import Ears, PairReader
 from app.correlator_page import CorrelatorPage
 from app.devices.audio_output import SoundUnavailableError
 from app.jobs import Jobs
+from app.main_window import MainWindow, Services
 from app.settings import PreferencesStore
+from app.survey_session import SurveySession
 from processing.correlation.pipe import Pipe, PipeSection
 from processing.correlation.recordings import Pair, Sync, SyncKind
 from processing.correlation.simulation import SimulatedPair, simulate, write_wave
@@ -391,7 +393,9 @@ def test_the_page_is_built_when_it_is_asked_for_and_remembers_what_was_open(qtbo
         qtbot.addWidget(window)
         qtbot.addWidget(stack)
         jobs = Jobs(window)
-        entry = CorrelatorEntry(jobs, PreferencesStore(tmp_path / "p.json"), "en", pages, stack, window)
+        entry = CorrelatorEntry(
+            jobs, PreferencesStore(tmp_path / "p.json"), "en", pages, stack, window, lambda: (places or ["leaks"])[-1]
+        )
         entry.page_asked.connect(places.append)
         assert entry.page is None
         entry.apply_theme(DARK)
@@ -402,9 +406,10 @@ def test_the_page_is_built_when_it_is_asked_for_and_remembers_what_was_open(qtbo
             entry.control.files.take("a", [recordings / "hydrant.wav", recordings / "valve.wav"])
         qtbot.waitUntil(lambda e=entry, j=jobs: not e.control.busy and not j.running, timeout=30_000)
         assert entry.control.result.position.from_a_m == pytest.approx(LEAK_M, abs=0.3)
+        entry.show()  # again: back to where it was asked for
         entry.stop()
         jobs.stop_all()
-    assert places == ["correlator", "correlator"]
+    assert places == ["correlator", "leaks", "correlator", "leaks"]
 
 
 def test_every_button_is_large_enough_for_gloves(bench):
@@ -412,3 +417,21 @@ def test_every_button_is_large_enough_for_gloves(bench):
     for button in (page.open, page.save, page.export, page.swap, page.suppress, page.restore, page.listen_both):
         assert button.minimumHeight() >= 36
         assert button.toolTip()
+
+
+def test_the_window_goes_there_and_back_by_its_action(qtbot, tmp_path):
+    services = Services(SurveySession(), Jobs(), PreferencesStore(tmp_path / "p.json"), why_silent=lambda: None)
+    window = MainWindow(services, "en")
+    qtbot.addWidget(window)
+    window.show()
+    action = window.actions_by_id["correlator"]
+    assert [key.toString() for key in action.shortcuts()] == ["Ctrl+K"]
+    action.trigger()
+    assert window.page == "correlator"
+    assert window._stack.currentWidget() is window.correlator.page
+    window.next_theme()
+    assert window.correlator.page.correlation._theme.name == window._theme.name
+    action.trigger()
+    assert window.page == "start"
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    window.close()

@@ -71,7 +71,7 @@ def test_two_events_give_the_drift():
     assert sync.offset_s == pytest.approx(0.5003)
     assert sync.sigma_s == 2e-4
     assert sync_of_events(()).known is False
-    assert sync_of_events((EventOffset(10.0, 0.5, 1e-4),)) == Sync(SyncKind.EVENT, 0.5, 1e-4)
+    assert sync_of_events((EventOffset(10.0, 0.5, 1e-4),)) == Sync(SyncKind.EVENT, 0.5, 1e-4, at_s=10.0)
 
 
 # --- sessions ---
