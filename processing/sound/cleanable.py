@@ -8,6 +8,8 @@ from processing.survey import Motion
 if TYPE_CHECKING:
     from processing.results import Results
 
+_FEWEST_ROWS = 3  # of a motion record that has a rate
+
 
 class NotCleaned(StrEnum):
     """Why there is nothing to clean with; also keys of [reasons]."""
@@ -22,6 +24,7 @@ def why_not_cleaned(results: "Results") -> NotCleaned | None:
     """Return why this run cannot be cleaned, as far as that is known without listening; None where it may be."""
     if results.recording.audio is None or results.scan is None:
         return NotCleaned.NO_SOUND
-    if results.recording.imu is None:
+    imu = results.recording.imu
+    if imu is None or len(imu.time_s) < _FEWEST_ROWS:
         return NotCleaned.NO_IMU
     return None if results.survey.device.motion is Motion.ROLLING else NotCleaned.NOT_ROLLING
