@@ -4,8 +4,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.settings import config_folder
+from processing.errors import LeaklineError
 
 if TYPE_CHECKING:
+    from app.survey_session import SurveySession
     from processing.settings import Settings
     from processing.sound.presets import Preset
     from processing.survey import Survey
@@ -34,3 +36,14 @@ def effective_settings(settings: "Settings", survey: "Survey") -> "Settings":
     from processing.sound.presets import effective
 
     return effective(settings, survey, preset_rows())
+
+
+def settings_in_force(session: "SurveySession") -> "Settings":
+    """Return the settings with which the open survey would be processed now.
+
+    A table that cannot be read fills nothing in here; processing says what is wrong with it.
+    """
+    try:
+        return effective_settings(session.settings, session.survey)
+    except LeaklineError:
+        return session.settings

@@ -37,6 +37,7 @@ class ReviewControl(QObject):
         session.decision_changed.connect(self._show_decision)
         session.selection_changed.connect(self._show_selection)
         session.survey_changed.connect(self._show_tie_points)
+        session.survey_changed.connect(self._show_sizes)
         session.cursor.moved.connect(self._on_cursor)
         page.table.candidate_chosen.connect(self._choose)
         page.table.order_changed.connect(self._set_order)
@@ -217,6 +218,12 @@ class ReviewControl(QObject):
 
     def _show_tie_points(self) -> None:
         self._page.show_tie_points(self._session.survey.tie_points)
+
+    def _show_sizes(self) -> None:
+        """Tell the sizes anew: they rest on the pressure and on a known leak, which the form may have changed."""
+        self._page.table.set_rows(self._session.rows())
+        self._page.table.select(self._session.selected)
+        self._show_selected_row()
 
     def _show_candidates(self) -> None:
         rows = self._session.rows()
