@@ -172,7 +172,7 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Show twice as much, around the cursor (also Ctrl and wheel)"), Needs.RESULTS),
     _row("fit", N("Actions", "Show all"), "F Home", Page.VIEW, "review.fit",
          N("Actions", "Show the whole run"), Needs.RESULTS),
-    _row("axis", N("Actions", "Metres or seconds"), "D", Page.VIEW, "review.toggle_axis",
+    _row("axis", N("Actions", "Metres or seconds"), "D", Page.VIEW, "sound_view.toggle_axis",
          N("Actions", "Show sound and motion along the pipe in metres, or in time"), Needs.RESULTS),
     _row("plane", N("Actions", "Short events, steady sounds, excess"), "E", Page.VIEW, "sound_view.next_plane",
          N("Actions", "Show short events, steady sounds, or what is over the local background"), Needs.RESULTS),

@@ -203,12 +203,6 @@ class ReviewControl(QObject):
         self._session.cursor.fit()
         self._page.fit_path()
 
-    def toggle_axis(self) -> None:
-        """Switch between metres and seconds."""
-        cursor = self._session.cursor
-        metres = cursor.axis_mode is AxisMode.DISTANCE
-        cursor.set_axis_mode(AxisMode.TIME if metres else AxisMode.DISTANCE)
-
     # --- showing ---
 
     def _show_results(self) -> None:

@@ -36,7 +36,7 @@ class SpectrogramControl(QObject):
         tools.colours_chosen.connect(view.set_color_map)
         tools.contrast_asked.connect(self.contrast)
         tools.select_toggled.connect(self._set_select_tool)
-        tools.axis_asked.connect(self._toggle_axis)
+        tools.axis_asked.connect(self.toggle_axis)
         tools.band_chosen.connect(page.band_changed)
         tools.band_reset_asked.connect(self.reset_band)
         view.looks_changed.connect(self._remember)
@@ -66,6 +66,14 @@ class SpectrogramControl(QObject):
     def contrast(self) -> None:
         """Let the colours fit what is visible, once."""
         self._view.auto_db_range()
+
+    def toggle_axis(self) -> None:
+        """Switch between metres and seconds, and keep that for the next time."""
+        cursor = self._session.cursor
+        metres = cursor.axis_mode is AxisMode.DISTANCE
+        cursor.set_axis_mode(AxisMode.TIME if metres else AxisMode.DISTANCE)
+        self._like(axis=cursor.axis_mode.value)
+        self._on_axis()
 
     def toggle_select(self) -> None:
         """Let a plain drag select, or pan again."""
@@ -120,23 +128,13 @@ class SpectrogramControl(QObject):
         self._tools.set_band_able(able=results is not None and self._session.writable)
         if results is not None:
             self._tools.show_band(results.settings.sound.band_low_hz, results.settings.sound.band_high_hz)
-        if self._preferences.values.sound_view.get("axis") == AxisMode.DISTANCE.value and cursor.has_distance:
-            cursor.set_axis_mode(AxisMode.DISTANCE)
+        liked = self._preferences.values.sound_view.get("axis")
+        if results is not None and liked in {mode.value for mode in AxisMode}:
+            cursor.set_axis_mode(liked)  # refused where there is no path
 
     def _on_axis(self) -> None:
         cursor = self._session.cursor
         self._tools.show_axis(metres=cursor.axis_mode is AxisMode.DISTANCE, able=cursor.has_distance)
-
-    def _toggle_axis(self) -> None:
-        cursor = self._session.cursor
-        metres = cursor.axis_mode is AxisMode.DISTANCE
-        cursor.set_axis_mode(AxisMode.TIME if metres else AxisMode.DISTANCE)
-        self.remember_axis()
-
-    def remember_axis(self) -> None:
-        """Keep what the axis counts for the next time."""
-        self._like(axis=self._session.cursor.axis_mode.value)
-        self._on_axis()
 
     def _set_select_tool(self, on: bool) -> None:
         self._view.select_tool = on

@@ -13,7 +13,7 @@ from app.survey_session import SurveySession
 from processing import messages
 from processing.errors import LeaklineError
 from widgets.latest_loader import LatestLoader
-from widgets.plot_scale import hertz_text, number_text
+from widgets.plot_scale import hertz_name, hertz_span, number_text
 from widgets.sound_selection import SoundSelection
 from widgets.spectrogram_view import SpectrogramView
 from widgets.spectrum_panel import SpectrumPanel
@@ -226,14 +226,14 @@ class SpectrumControl(QObject):
         out = [band for band in comparison.bands if band.stands_out]
         if out:
             most = max(out, key=lambda band: band.difference_db)
-            text = self.tr("A stands out in {spans}; most, by {level} ± {half} dB, at {hertz}Hz.")
+            text = self.tr("A stands out in {spans}; most, by {level} ± {half} dB, at {hertz}.")
             half = 0.5 * (most.high95_db - most.low95_db)
             lines.append(
                 text.format(
                     spans=_spans_text([(band.low_hz, band.high_hz) for band in out]),
                     level=number_text(most.difference_db, 1),
                     half=number_text(half, 1),
-                    hertz=hertz_text(round((most.low_hz * most.high_hz) ** 0.5)),
+                    hertz=hertz_name(round((most.low_hz * most.high_hz) ** 0.5)),
                 )
             )
         else:
@@ -351,4 +351,4 @@ def _spans_text(bands: list[tuple[float, float]]) -> str:
             joined[-1][1] = high
         else:
             joined.append([low, high])
-    return ", ".join(f"{hertz_text(round(low))}–{hertz_text(round(high))}Hz" for low, high in joined)
+    return ", ".join(hertz_span(low, high) for low, high in joined)

@@ -13,7 +13,7 @@ from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid
 from widgets.plot_marks import Readout
 from widgets.plot_paint import paint_legend
-from widgets.plot_scale import hertz_text
+from widgets.plot_scale import hertz_span
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
 
@@ -86,8 +86,7 @@ class LevelView(CurvePlot):
         """Return what the level is of."""
         if self._band_hz is None:
             return self.tr("level")
-        low, high = (hertz_text(round(edge), self.locale()) for edge in self._band_hz)
-        return self.tr("level {low}–{high}Hz").format(low=low, high=high)
+        return self.tr("level {band}").format(band=hertz_span(*self._band_hz, self.locale()))
 
     def _paint_stems(self, painter: QPainter, rect: QRectF) -> None:
         """Show with a bar at the foot the stretch within which each candidate lies in 95 of 100 cases."""

@@ -128,3 +128,14 @@ def hertz_text(value: float, locale: QLocale | None = None) -> str:
     thousands = value / 1000.0
     digits = next(d for d in (0, 1, 2, 3) if d == 3 or abs(round(thousands, d) - thousands) < 1e-6)
     return number_text(thousands, digits, locale) + "k"
+
+
+def hertz_name(value: float, locale: QLocale | None = None) -> str:
+    """Return a frequency with its unit: ``500 Hz``, ``2.5 kHz``."""
+    text = hertz_text(value, locale)
+    return f"{text[:-1]} kHz" if text.endswith("k") else f"{text} Hz"
+
+
+def hertz_span(low_hz: float, high_hz: float, locale: QLocale | None = None) -> str:
+    """Return a band with its unit, whole hertz: ``500 Hz – 4 kHz``."""
+    return f"{hertz_name(round(low_hz), locale)} – {hertz_name(round(high_hz), locale)}"

@@ -13,7 +13,7 @@ from widgets.latest_loader import LatestLoader
 from widgets.linked_plot import Drag
 from widgets.plot_marks import Readout
 from widgets.plot_paint import paint_tag
-from widgets.plot_scale import hertz_text, number_text
+from widgets.plot_scale import hertz_name, number_text
 from widgets.plot_theme import LIGHT, Theme
 from widgets.sound_picture import SoundPicture
 from widgets.sound_selection import SelectionFigures, SoundSelection, grabbed_edge, measure, with_edge
@@ -183,7 +183,7 @@ class SpectrogramView(SoundPicture):
         super()._paint_data(painter, rect)
         handles = self._handles()
         if handles is not None and self._band_hz is not None:
-            low, high = (hertz_text(round(f), self.locale()) + "Hz" for f in self._band_hz)
+            low, high = (hertz_name(round(f), self.locale()) for f in self._band_hz)
             handles.paint(painter, self._theme, (low, high), name=self.tr("leak band"))
 
     def _handles(self) -> BandHandles | None:

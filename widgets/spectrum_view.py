@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from processing.survey import FloatArray
 from widgets.plot_marks import report_paint_error
 from widgets.plot_paint import paint_legend, paint_tag
-from widgets.plot_scale import Scale, ScaleKind, hertz_text, number_text, tick_digits
+from widgets.plot_scale import Scale, ScaleKind, hertz_name, number_text, tick_digits
 from widgets.plot_theme import LIGHT, Theme
 
 LEAST_SPAN_DB = 12.0
@@ -224,13 +224,13 @@ class SpectrumView(QWidget):
     def _paint_axes(self, painter: QPainter, rect: QRectF) -> None:
         theme, metrics = self._theme, self._theme.metrics()
         grid, text = QPen(QColor(theme.grid), 1), QColor(theme.text)
-        most = max(3, int(rect.width() / (1.8 * metrics.horizontalAdvance("00.0k"))))
+        most = max(3, int(rect.width() / (1.8 * metrics.horizontalAdvance("0.0 kHz"))))
         for value in self._frequency.ticks(most):
             x = self.x_of(value)
             painter.setPen(grid)
             painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
             painter.setPen(text)
-            label = hertz_text(value, self.locale()) + ("Hz" if value >= 1000.0 else "")
+            label = hertz_name(value, self.locale())
             box = QRectF(x - 40, rect.bottom() + 2, 80, 1.4 * metrics.height())
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, label)
         ticks = self._level.ticks(max(3, int(rect.height() / (2.0 * metrics.height()))))

@@ -26,10 +26,10 @@ def test_the_peak_is_drawn_at_its_frequency_and_level(view):
     image = view.grab().toImage()
     wanted = QColor(LIGHT.curve)
     columns = {}
-    for x in range(int(view.plot_rect().left()) + 3, int(view.plot_rect().right()) - 3):
+    for x in range(int(view.plot_rect().center().x()), int(view.plot_rect().right()) - 3):
         rows = [
             y
-            for y in range(int(view.plot_rect().top()) + 40, int(view.plot_rect().bottom()))
+            for y in range(int(view.plot_rect().top()) + 2, int(view.plot_rect().bottom()))
             if abs(image.pixelColor(x, y).red() - wanted.red()) + abs(image.pixelColor(x, y).green() - wanted.green())
             < 60
         ]
