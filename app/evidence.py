@@ -5,6 +5,7 @@ import math
 from PySide6.QtCore import QCoreApplication
 
 from processing import messages
+from processing.sound.size_words import size_sentence
 from processing.survey import Params
 from widgets.candidate_table import CandidateRow
 from widgets.vocabulary import class_text, clock_text, frequency_text, number
@@ -39,6 +40,8 @@ def evidence_text(row: CandidateRow, language: str) -> str:
                 width=number(candidate.width_m, 1),
             )
         )
+    if row.leak_size is not None and (sized := size_sentence(row.leak_size, language)):
+        lines.append(sized)
     text = QCoreApplication.translate("Evidence", "95 % between {low} m and {high} m, passed at {time}.")
     low_m, high_m = number(candidate.chainage_low95_m, 1), number(candidate.chainage_high95_m, 1)
     lines.append(text.format(low=low_m, high=high_m, time=clock_text(candidate.time_s)))

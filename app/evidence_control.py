@@ -1,19 +1,21 @@
 """Feeds the evidence panel: measures the selected candidate beside the rest of the pipe, in a worker thread."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QObject
 
+from app.review_commands import EditSurvey
 from app.survey_session import SurveySession
 from processing import messages
-from processing.survey import LeakClass
+from processing.survey import CalibrationLeak, LeakClass
 from widgets.candidate_table import CandidateRow
 from widgets.evidence_panel import EvidencePanel, EvidenceRow, ShownEvidence
 from widgets.evidence_plots import SmallPlot, Weighed
+from widgets.known_leak_dialog import KnownFlow, KnownLeakDialog
 from widgets.latest_loader import LatestLoader
 from widgets.vocabulary import class_text
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from processing.sound.ground import Ground
 
 NAME = "why"
+SAME_M = 5.0  # a candidate this close to the known leak is it
 WORTH_SAYING = 0.08  # nats; less changes no opinion
 # figures that are logarithms of what the sentence tells
 _RATIOS = ("flutter", "place_not_moment", "lopsided", "speed_ratio")
@@ -50,6 +53,8 @@ class EvidenceControl(QObject):
         session.selection_changed.connect(self._show)
         session.results_changed.connect(self._show)
         session.opened.connect(self._forget)
+        session.survey_changed.connect(self._show)
+        panel.known_leak_asked.connect(self.mark_known)
 
     def toggle(self) -> None:
         """Bring the panel to the front, or the list of leaks where it is there already."""
@@ -57,6 +62,25 @@ class EvidenceControl(QObject):
             self._tools.leave(NAME)
         else:
             self._tools.choose(NAME)
+
+    def mark_known(self) -> None:
+        """Ask for the flow of the selected candidate, a leak that is known; others are sized beside it from then on."""
+        session, row = self._session, self._session.row(self._session.selected)
+        if row is None or not session.writable or not math.isfinite(row.candidate.chainage_m):
+            return
+        before = session.survey.calibration_leak
+        is_this = before is not None and abs(before.chainage_m - row.candidate.chainage_m) <= SAME_M
+        known = KnownFlow(before.flow_lpm, before.pressure_bar) if before is not None and is_this else None
+        dialog = KnownLeakDialog(row.name, known, self._panel)
+        if dialog.exec() != KnownLeakDialog.DialogCode.Accepted:
+            return
+        answer = dialog.answer
+        after = None
+        if answer is not None:
+            after = CalibrationLeak(row.candidate.chainage_m, answer.flow_lpm, answer.pressure_bar, row.name)
+        if after != before:
+            text = self.tr("known leak")
+            session.push(EditSurvey(session, text, replace(session.survey, calibration_leak=after)))
 
     def stop(self) -> None:
         """Wait for what is being measured: call before the survey's files are closed."""
@@ -101,24 +125,19 @@ def _measure(results: "Results", row: CandidateRow, ground: "Ground | None", lan
     from processing.sound.classes import load_model
     from processing.sound.feature_background import evidence_of, ground_of_results
     from processing.sound.size_words import size_sentence
-    from processing.sound.sizes import size_of
 
     ground = ground if ground is not None else ground_of_results(results)
     evidence = evidence_of(row.candidate, ground, results.candidates, load_model()) if ground is not None else None
     if evidence is None:
         return _Measured(results, ground, None)
-    kind = row.decision.leak_class or row.candidate.leak_class
-    size = ""
-    if kind in (LeakClass.LEAK, LeakClass.UNKNOWN):
-        found = size_of(row.candidate, results.survey, results.settings.size, results.candidates)
-        size = size_sentence(found, language)
+    size = size_sentence(row.leak_size, language) if row.leak_size is not None else ""
     return _Measured(results, ground, _shown(row, evidence, size, language))
 
 
 def _shown(row: CandidateRow, evidence: "CandidateEvidence", size: str, language: str) -> ShownEvidence:
     chances = sorted(evidence.probability.items(), key=lambda item: -item[1])
     percent = 100 * evidence.probability[LeakClass.LEAK]
-    kind = class_text(row.decision.leak_class or row.candidate.leak_class)
+    kind = class_text(row.kind)
     telling = [f for f in evidence.features if abs(f.for_leak) >= WORTH_SAYING]
     rows = [EvidenceRow(_sentence(f, language), Weighed(f.value, f.quantiles, f.for_leak)) for f in telling]
     faded, seconds = row.candidate.evidence.get("faded_db"), row.candidate.evidence.get("stood_s")
@@ -133,6 +152,7 @@ def _shown(row: CandidateRow, evidence: "CandidateEvidence", size: str, language
         spectrum=SmallPlot(evidence.band_hz, evidence.excess_db, evidence.usual_db, logarithmic=True),
         rise=SmallPlot(evidence.away, evidence.rise_db, None, evidence.fit_away, evidence.fit_db, dots=True),
         places=evidence.places,
+        may_be_known=row.leak_size is not None and evidence.in_metres,
     )
 
 

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QFileDialog, QWidget
 from app import opening
 from app.data_page import DataPage
 from app.jobs import Job, Jobs
-from app.presets import effective_settings
+from app.presets import settings_in_force
 from app.preview_content import errors_of, imported_files, previewed_files
 from app.review_commands import EditSettings, EditSurvey
 from app.settings import PreferencesStore, mappings_file, surveys_folder
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from processing.importing.folder import ImportOptions
     from processing.importing.preview import FolderPreview
     from processing.results import Results
-    from processing.settings import Settings
 
 log = logging.getLogger(__name__)
 
@@ -351,13 +350,6 @@ class FilesControl(QObject):
             end_s = float(imu.time_s[-1]) if imu is not None else None
             self._page.tie_points.set_moments(self._session.cursor.time_s, end_s)
 
-    def _effective(self) -> "Settings":
-        """Return the settings with which the present form would be processed."""
-        try:
-            return effective_settings(self._session.settings, self._session.survey)
-        except LeaklineError:  # a spoilt table of presets: processing says so
-            return self._session.settings
-
     def _show_process(self) -> None:
         if self._job is not None:
             return
@@ -368,7 +360,8 @@ class FilesControl(QObject):
             self._page.set_process(self.tr("Process"), enabled=ready, state=state)
             return
         results = session.results
-        fresh = results is not None and (results.survey, results.settings) == (session.survey, self._effective())
+        present = (session.survey, settings_in_force(session))
+        fresh = results is not None and (results.survey, results.settings) == present
         state = self.tr("The results are up to date.") if fresh else self.tr("Form or tie points have changed.")
         if results is None:
             state = self.tr("Not processed yet.")

@@ -38,6 +38,7 @@ from app.methods import methods
 from app.notices import Notices
 from app.path_controls import PathControls
 from app.player import Player
+from app.preset_control import PresetControl
 from app.report_control import ReportControl
 from app.review_control import ReviewControl
 from app.review_page import ReviewPage
@@ -90,6 +91,7 @@ class MainWindow(QMainWindow):
         self.files = FilesControl(
             self._session, services.jobs, self._preferences, self.data_page, lambda: self.boxes, self
         )
+        self.presets = PresetControl(self._session, self.data_page, lambda: self.boxes, language, self)
         self.first_sound = FirstSound(self._session, services.jobs, self.review_page, self)
         self.path = PathControls(self._session, services.jobs, self.review_page, language, self)
         self.cleaning = CleaningControl(self._session, services.jobs, self.review_page, self.player, language, self)

@@ -1,5 +1,6 @@
 """The report page: what would be written, the export as a job, and the exports made so far."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -57,6 +58,11 @@ class ReportControl(QObject):
         if results is None or target is None:
             return
         decisions = self._session.decisions
+        # a leak may have become a known one since: sizes are told beside it without computing anything anew
+        told = self._session.survey
+        pipe = replace(results.survey.pipe, pressure_bar=told.pipe.pressure_bar)
+        survey = replace(results.survey, calibration_leak=told.calibration_leak, pipe=pipe)
+        results = replace(results, survey=survey)
         self._jobs.start(
             lambda progress: _write(results, decisions, target, progress, language),
             title=self.tr("Export"),

@@ -17,6 +17,7 @@ from PySide6.QtGui import QUndoCommand, QUndoStack
 from app.view_data import extent_s
 from processing.errors import ErrorCode, LeaklineError
 from processing.settings import Settings
+from processing.sound.sizes import size_of
 from processing.storage.folder import SurveyFolder
 from processing.storage.review import Orphan
 from processing.survey import Candidate, Decision, Finding, Run, Survey, Verdict
@@ -160,15 +161,21 @@ class SurveySession(QObject):
 
     def rows(self) -> list[CandidateRow]:
         """Return all candidates with their decisions, in the order of the list."""
-        rows = [CandidateRow(c, self.decision(c.id), c.id in self._manual) for c in self._candidates.values()]
-        return sort_rows(rows, self.order)
+        return sort_rows([self._row(c) for c in self._candidates.values()], self.order)
 
     def row(self, candidate_id: int | None) -> CandidateRow | None:
         """Return one candidate with its decision."""
         candidate = self._candidates.get(candidate_id) if candidate_id is not None else None
         if candidate is None:
             return None
-        return CandidateRow(candidate, self.decision(candidate.id), candidate.id in self._manual)
+        return self._row(candidate)
+
+    def _row(self, candidate: Candidate) -> CandidateRow:
+        """Return a candidate with its decision and the size that it would have as a leak, by the present form."""
+        size = None
+        if self.results is not None:
+            size = size_of(candidate, self.survey, self.results.settings.size, self.results.candidates)
+        return CandidateRow(candidate, self.decision(candidate.id), candidate.id in self._manual, size)
 
     def ordered_ids(self) -> list[int]:
         """Return the ids in the order of the list."""

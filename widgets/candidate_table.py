@@ -27,10 +27,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from processing.survey import Candidate, Decision, Verdict
+from processing.sound.sizes import LeakSize
+from processing.survey import Candidate, Decision, LeakClass, Verdict
 from widgets.plot_theme import Theme
 from widgets.quiet_combo import QuietCombo
-from widgets.vocabulary import class_text, half_width_m, number, verdict_icon, verdict_text
+from widgets.vocabulary import class_text, half_width_m, number, size_text, verdict_icon, verdict_text
 
 Index = QModelIndex | QPersistentModelIndex
 ROOT = QModelIndex()
@@ -46,6 +47,17 @@ class CandidateRow:
     candidate: Candidate
     decision: Decision
     manual: bool = False
+    size: LeakSize | None = None  # that it would have as a leak
+
+    @property
+    def kind(self) -> LeakClass:
+        """What it is taken for: by the operator, else by the machine."""
+        return self.decision.leak_class or self.candidate.leak_class
+
+    @property
+    def leak_size(self) -> LeakSize | None:
+        """The size, None for what is no leak."""
+        return self.size if self.kind in (LeakClass.LEAK, LeakClass.UNKNOWN) else None
 
     @property
     def name(self) -> str:
@@ -152,7 +164,8 @@ class CandidateModel(QAbstractTableModel):
             case 4:
                 return "–" if row.manual else number(candidate.score, 2)
             case 5:
-                return class_text(decision.leak_class or candidate.leak_class)
+                kind, size = class_text(row.kind), size_text(row.leak_size)
+                return f"{kind}, {size}" if size else kind
             case 6:
                 return number(candidate.level_db, 1)
             case _:

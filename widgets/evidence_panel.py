@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QLabel, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from widgets.evidence_plots import ChancesBar, SmallPlot, SmallPlotView, Weighed, WeighedStrip
 from widgets.plot_theme import Theme
@@ -31,10 +31,13 @@ class ShownEvidence:
     spectrum: SmallPlot
     rise: SmallPlot
     places: int
+    may_be_known: bool = False  # whether it may be told that this is a leak of known flow
 
 
 class EvidencePanel(QWidget):
     """Shows the evidence on one candidate; it is told everything and knows nothing."""
+
+    known_leak_asked = Signal()  # this is a leak of known flow, or is one no more
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -46,6 +49,12 @@ class EvidencePanel(QWidget):
         self._rise = SmallPlotView(theme, "m")
         self._sentences = [self._label(f"evidence_row_{i}") for i in range(ROWS)]
         self._strips = [WeighedStrip(theme) for _ in range(ROWS)]
+        self._known = QPushButton(self.tr("Known leak…"))
+        self._known.setObjectName("known_leak")
+        self._known.setMinimumHeight(40)
+        self._known.setToolTip(self.tr("A tap of measured flow: other leaks are sized beside it"))
+        self._known.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._known.clicked.connect(self.known_leak_asked.emit)
         inner = QWidget()
         layout = QVBoxLayout(inner)
         layout.setContentsMargins(2, 2, 2, 2)
@@ -55,6 +64,7 @@ class EvidencePanel(QWidget):
         layout.addWidget(self._spectrum)
         layout.addWidget(self._rise)
         layout.addWidget(self._size)
+        layout.addWidget(self._known)
         for sentence, strip in zip(self._sentences, self._strips, strict=True):
             layout.addWidget(sentence)
             layout.addWidget(strip)
@@ -98,6 +108,7 @@ class EvidencePanel(QWidget):
                 strip.show_weighed(rows[i].weighed)
         self._size.setVisible(shown is not None and bool(shown.size))
         self._about.setVisible(shown is not None)
+        self._known.setVisible(shown is not None and shown.may_be_known)
         if shown is None:
             return
         self._size.setText(shown.size)

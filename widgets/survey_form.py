@@ -1,6 +1,7 @@
 """The form for everything of ``survey.toml`` except tie points: edits come out as whole, new :class:`Survey` values."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -32,6 +33,7 @@ class SurveyForm(QWidget):
     survey_changed = Signal(object)  # Survey
     route_import_asked = Signal()
     route_removed = Signal()
+    presets_asked = Signal()
 
     def __init__(self, methods: dict[str, tuple[MethodRow, ...]], parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -80,6 +82,14 @@ class SurveyForm(QWidget):
         self._length = self._number("length", 0.1, 1e6, hint=self.tr("unknown"))
         self._joints = self._number("joint_spacing", 0.5, 100.0, hint=self.tr("found by itself"))
         self._joints.setToolTip(self.tr("Length of one pipe from joint to joint: the bumps then count the metres"))
+        self._pressure = self._number("pressure", 0.01, 100.0, hint=self.tr("unknown"))
+        self._pressure.setToolTip(self.tr("In the pipe during the run: the size of leaks is told with it"))
+        self._preset = self._combo("preset")
+        self._preset.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self._preset.setMinimumContentsLength(18)
+        self.set_presets(())
+        self._presets = self._button("presets", self.tr("Table of presets…"))
+        self._presets.clicked.connect(self.presets_asked)
         return self._box(
             self.tr("Device and pipe"),
             (self.tr("The device is"), self._motion),
@@ -88,7 +98,29 @@ class SurveyForm(QWidget):
             (self.tr("Inner diameter (mm)"), self._diameter),
             (self.tr("Surveyed length (m)"), self._length),
             (self.tr("Joint to joint (m)"), self._joints),
+            (self.tr("Pressure (bar)"), self._pressure),
+            (self.tr("Sound preset"), self._preset),
+            ("", self._presets),
         )
+
+    def set_presets(self, rows: Sequence[tuple[str, str, str]], automatic: str = "") -> None:
+        """Offer these presets (key, title, tip); ``automatic`` is the title of the one that fits the pipe."""
+        quiet, self._quiet = self._quiet, True
+        wanted = self._survey.processing.preset
+        self._preset.clear()
+        text = self.tr("automatic: {preset}").format(preset=automatic) if automatic else self.tr("automatic")
+        self._preset.addItem(text, "auto")
+        self._preset.addItem(self.tr("none"), "none")
+        for key, title, tip in rows:
+            self._preset.addItem(title, key)
+            self._preset.setItemData(self._preset.count() - 1, tip, Qt.ItemDataRole.ToolTipRole)
+        self._show_preset(wanted)
+        self._quiet = quiet
+
+    def _show_preset(self, key: str) -> None:
+        if self._preset.findData(key) < 0:
+            self._preset.addItem(key, key)
+        self._preset.setCurrentIndex(self._preset.findData(key))
 
     def _materials(self) -> tuple[str, ...]:
         iron = self.tr("ductile iron"), self.tr("cast iron"), self.tr("steel")
@@ -234,6 +266,7 @@ class SurveyForm(QWidget):
             line.setText(text)
         self._motion.setCurrentIndex(self._motion.findData(survey.device.motion))
         self._material.setCurrentText(survey.pipe.material)
+        self._show_preset(survey.processing.preset)
         for field, value in self._numbers(survey):
             field.set_value(value)
         for step, combo in self._methods.items():
@@ -252,6 +285,7 @@ class SurveyForm(QWidget):
             (self._diameter, survey.pipe.diameter_m),
             (self._length, survey.pipe.length_m),
             (self._joints, survey.pipe.joint_spacing_m),
+            (self._pressure, survey.pipe.pressure_bar),
             (self._latitude, launch.latitude),
             (self._longitude, launch.longitude),
             (self._east, launch.east_m),
@@ -280,6 +314,7 @@ class SurveyForm(QWidget):
                 diameter_m=self._diameter.value,
                 length_m=self._length.value,
                 joint_spacing_m=self._joints.value,
+                pressure_bar=self._pressure.value,
             ),
             device=replace(self._survey.device, motion=Motion(self._motion.currentData()), radius_m=self._radius.value),
             audio=replace(
@@ -303,6 +338,7 @@ class SurveyForm(QWidget):
                 orientation=str(self._orientation.currentData()),
                 position=str(self._position.currentData()),
                 detector=str(self._detector.currentData()),
+                preset=str(self._preset.currentData()),
             ),
         )
 

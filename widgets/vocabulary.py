@@ -3,6 +3,7 @@
 from PySide6.QtCore import QT_TRANSLATE_NOOP, QCoreApplication, QLocale, QPointF, Qt
 from PySide6.QtGui import QColor, QGuiApplication, QIcon, QPainter, QPixmap
 
+from processing.sound.sizes import LeakSize, SizeClass
 from processing.survey import Candidate, LeakClass, Motion, Severity, Verdict
 from widgets.plot_theme import Theme, paint_verdict
 
@@ -23,6 +24,11 @@ _CLASSES: dict[LeakClass, str] = {
     LeakClass.AIR: str(QT_TRANSLATE_NOOP("Vocabulary", "air pocket")),
     LeakClass.TRAFFIC: str(QT_TRANSLATE_NOOP("Vocabulary", "traffic")),
     LeakClass.UNKNOWN: str(QT_TRANSLATE_NOOP("Vocabulary", "unknown")),
+}
+_SIZES: dict[SizeClass, str] = {
+    SizeClass.SMALL: str(QT_TRANSLATE_NOOP("Vocabulary", "small")),
+    SizeClass.MEDIUM: str(QT_TRANSLATE_NOOP("Vocabulary", "medium")),
+    SizeClass.LARGE: str(QT_TRANSLATE_NOOP("Vocabulary", "large")),
 }
 _MOTIONS: dict[Motion, str] = {
     Motion.ROLLING: str(QT_TRANSLATE_NOOP("Vocabulary", "rolling ball")),
@@ -49,6 +55,13 @@ def verdict_text(verdict: Verdict) -> str:
 def class_text(leak_class: LeakClass) -> str:
     """Return the class as a word in the window's language."""
     return _words(_CLASSES[leak_class])
+
+
+def size_text(size: LeakSize | None) -> str:
+    """Return a leak's size in the window's language, ``small–medium`` where it may be either; empty if unknown."""
+    if size is None or size.size is SizeClass.UNKNOWN:
+        return ""
+    return "–".join(_words(_SIZES[SizeClass(part)]) for part in size.name.split("-"))
 
 
 def motion_text(motion: Motion) -> str:

@@ -1395,14 +1395,14 @@
     <name>EvidenceControl</name>
     <message>
         <source>known leak</source>
-        <translation type="unfinished"></translation>
+        <translation>bilinen kaçak</translation>
     </message>
 </context>
 <context>
     <name>EvidencePanel</name>
     <message>
         <source>A tap of measured flow: other leaks are sized beside it</source>
-        <translation type="unfinished"></translation>
+        <translation>Debisi ölçülmüş bir musluk: öteki kaçakların büyüklüğü onunla ölçülür</translation>
     </message>
     <message>
         <source>Dot: here. Bar: {count} places elsewhere (half within). + speaks for a leak, − against.</source>
@@ -1410,7 +1410,7 @@
     </message>
     <message>
         <source>Known leak…</source>
-        <translation type="unfinished"></translation>
+        <translation>Bilinen kaçak…</translation>
     </message>
     <message>
         <source>Level over the surroundings; blue: 95 % of them</source>
@@ -1709,39 +1709,39 @@
     <name>KnownLeakDialog</name>
     <message>
         <source>Cancel</source>
-        <translation type="unfinished"></translation>
+        <translation>Vazgeç</translation>
     </message>
     <message>
         <source>Flow (L/min)</source>
-        <translation type="unfinished"></translation>
+        <translation>Debi (L/dak)</translation>
     </message>
     <message>
         <source>Known leak</source>
-        <translation type="unfinished"></translation>
+        <translation>Bilinen kaçak</translation>
     </message>
     <message>
         <source>No known leak</source>
-        <translation type="unfinished"></translation>
+        <translation>Bilinen kaçak değil</translation>
     </message>
     <message>
         <source>Pressure (bar)</source>
-        <translation type="unfinished"></translation>
+        <translation>Basınç (bar)</translation>
     </message>
     <message>
         <source>Size others beside it</source>
-        <translation type="unfinished"></translation>
+        <translation>Ötekileri bununla ölç</translation>
     </message>
     <message>
         <source>needed</source>
-        <translation type="unfinished"></translation>
+        <translation>gerekli</translation>
     </message>
     <message>
         <source>not known</source>
-        <translation type="unfinished"></translation>
+        <translation>bilinmiyor</translation>
     </message>
     <message>
         <source>{name}: how much water came out here while the device passed? A tap opened near the launch and measured with a bucket will do. Other leaks of this run are then sized beside it.</source>
-        <translation type="unfinished"></translation>
+        <translation>{name}: aygıt geçerken buradan ne kadar su çıktı? Bırakma noktası yakınında açılıp kovayla ölçülen bir musluk yeter. Bu geçişteki öteki kaçakların büyüklüğü bununla ölçülür.</translation>
     </message>
 </context>
 <context>
@@ -1767,7 +1767,7 @@
         <translation>düzey</translation>
     </message>
     <message>
-        <source>level {low}–{high}Hz</source>
+        <source>level {band}</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -2163,158 +2163,158 @@
     <name>PresetDialog</name>
     <message>
         <source>A row of your own, with the values of this one</source>
-        <translation type="unfinished"></translation>
+        <translation>Bunun değerleriyle kendi satırınız</translation>
     </message>
     <message>
         <source>Add a copy</source>
-        <translation type="unfinished"></translation>
+        <translation>Kopyasını ekle</translation>
     </message>
     <message>
         <source>Allowed</source>
-        <translation type="unfinished"></translation>
+        <translation>İzin verilen</translation>
     </message>
     <message>
         <source>Back to what came with the program; a row of your own goes</source>
-        <translation type="unfinished"></translation>
+        <translation>Programla gelene dön; kendi satırınız silinir</translation>
     </message>
     <message>
         <source>Basis</source>
-        <translation type="unfinished"></translation>
+        <translation>Dayanak</translation>
     </message>
     <message>
         <source>Cancel</source>
-        <translation type="unfinished"></translation>
+        <translation>Vazgeç</translation>
     </message>
     <message>
         <source>Inner diameter from, to (mm)</source>
-        <translation type="unfinished"></translation>
+        <translation>İç çap, en az ve en çok (mm)</translation>
     </message>
     <message>
         <source>Materials, with commas</source>
-        <translation type="unfinished"></translation>
+        <translation>Malzemeler, virgülle</translation>
     </message>
     <message>
         <source>Name</source>
-        <translation type="unfinished"></translation>
+        <translation>Ad</translation>
     </message>
     <message>
         <source>Not possible: {names}</source>
-        <translation type="unfinished"></translation>
+        <translation>Olmaz: {names}</translation>
     </message>
     <message>
         <source>Reset</source>
-        <translation type="unfinished"></translation>
+        <translation>Sıfırla</translation>
     </message>
     <message>
         <source>Save</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaydet</translation>
     </message>
     <message>
         <source>Source</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaynak</translation>
     </message>
     <message>
         <source>Speed of sound (theory)</source>
-        <translation type="unfinished"></translation>
+        <translation>Ses hızı (kuram)</translation>
     </message>
     <message>
         <source>Table of presets</source>
-        <translation type="unfinished"></translation>
+        <translation>Ön ayar tablosu</translation>
     </message>
     <message>
         <source>Value</source>
-        <translation type="unfinished"></translation>
+        <translation>Değer</translation>
     </message>
     <message>
         <source>What</source>
-        <translation type="unfinished"></translation>
+        <translation>Ne</translation>
     </message>
     <message>
         <source>{name} (copy)</source>
-        <translation type="unfinished"></translation>
+        <translation>{name} (kopya)</translation>
     </message>
     <message>
         <source>{name} (own)</source>
-        <translation type="unfinished"></translation>
+        <translation>{name} (kendi)</translation>
     </message>
     <message>
         <source>{speed} m/s</source>
-        <translation type="unfinished"></translation>
+        <translation>{speed} m/s</translation>
     </message>
 </context>
 <context>
     <name>Presets</name>
     <message>
         <source>Background within ±</source>
-        <translation type="unfinished"></translation>
+        <translation>Arka plan, ±</translation>
     </message>
     <message>
         <source>Diameter over wall</source>
-        <translation type="unfinished"></translation>
+        <translation>Çap / et kalınlığı</translation>
     </message>
     <message>
         <source>Joint to joint (told only)</source>
-        <translation type="unfinished"></translation>
+        <translation>Ekten eke (bilgi)</translation>
     </message>
     <message>
         <source>Large above</source>
-        <translation type="unfinished"></translation>
+        <translation>Büyük, şunun üstünde</translation>
     </message>
     <message>
         <source>Leak band from</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak bandı, alt</translation>
     </message>
     <message>
         <source>Leak band to</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak bandı, üst</translation>
     </message>
     <message>
         <source>Leak's half-width, least (told only)</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçağın yarı genişliği, en az (bilgi)</translation>
     </message>
     <message>
         <source>Leak's half-width, most (told only)</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçağın yarı genişliği, en çok (bilgi)</translation>
     </message>
     <message>
         <source>Loss at 400–800 Hz (told only)</source>
-        <translation type="unfinished"></translation>
+        <translation>400–800 Hz'de kayıp (bilgi)</translation>
     </message>
     <message>
         <source>Loss below 400 Hz (told only)</source>
-        <translation type="unfinished"></translation>
+        <translation>400 Hz altında kayıp (bilgi)</translation>
     </message>
     <message>
         <source>Modulus of the wall</source>
-        <translation type="unfinished"></translation>
+        <translation>Boru duvarının elastisite modülü</translation>
     </message>
     <message>
         <source>Size told from</source>
-        <translation type="unfinished"></translation>
+        <translation>Büyüklük bandı, alt</translation>
     </message>
     <message>
         <source>Size told to</source>
-        <translation type="unfinished"></translation>
+        <translation>Büyüklük bandı, üst</translation>
     </message>
     <message>
         <source>Small below</source>
-        <translation type="unfinished"></translation>
+        <translation>Küçük, şunun altında</translation>
     </message>
     <message>
         <source>measured</source>
-        <translation type="unfinished"></translation>
+        <translation>ölçülmüş</translation>
     </message>
     <message>
         <source>own</source>
-        <translation type="unfinished"></translation>
+        <translation>kendi</translation>
     </message>
     <message>
         <source>theory</source>
-        <translation type="unfinished"></translation>
+        <translation>kuram</translation>
     </message>
     <message>
         <source>usual</source>
-        <translation type="unfinished"></translation>
+        <translation>alışılmış</translation>
     </message>
 </context>
 <context>
@@ -2955,7 +2955,7 @@
     </message>
     <message>
         <source>Reset</source>
-        <translation type="unfinished"></translation>
+        <translation>Sıfırla</translation>
     </message>
     <message>
         <source>Select</source>
@@ -3012,7 +3012,7 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <source>A stands out in {spans}; most, by {level} ± {half} dB, at {hertz}Hz.</source>
+        <source>A stands out in {spans}; most, by {level} ± {half} dB, at {hertz}.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -3231,7 +3231,7 @@
     </message>
     <message>
         <source>In the pipe during the run: the size of leaks is told with it</source>
-        <translation type="unfinished"></translation>
+        <translation>Geçiş sırasında boruda: kaçakların büyüklüğü bununla söylenir</translation>
     </message>
     <message>
         <source>Inner diameter (mm)</source>
@@ -3295,7 +3295,7 @@
     </message>
     <message>
         <source>Pressure (bar)</source>
-        <translation type="unfinished"></translation>
+        <translation>Basınç (bar)</translation>
     </message>
     <message>
         <source>Remove route</source>
@@ -3315,7 +3315,7 @@
     </message>
     <message>
         <source>Sound preset</source>
-        <translation type="unfinished"></translation>
+        <translation>Ses ön ayarı</translation>
     </message>
     <message>
         <source>Survey</source>
@@ -3327,7 +3327,7 @@
     </message>
     <message>
         <source>Table of presets…</source>
-        <translation type="unfinished"></translation>
+        <translation>Ön ayar tablosu…</translation>
     </message>
     <message>
         <source>The device is</source>
@@ -3347,7 +3347,7 @@
     </message>
     <message>
         <source>automatic: {preset}</source>
-        <translation type="unfinished"></translation>
+        <translation>otomatik: {preset}</translation>
     </message>
     <message>
         <source>cast iron</source>
@@ -3379,7 +3379,7 @@
     </message>
     <message>
         <source>none</source>
-        <translation type="unfinished"></translation>
+        <translation>yok</translation>
     </message>
     <message>
         <source>or East (m)</source>
@@ -3546,7 +3546,7 @@
     </message>
     <message>
         <source>large</source>
-        <translation type="unfinished"></translation>
+        <translation>büyük</translation>
     </message>
     <message>
         <source>leak</source>
@@ -3554,7 +3554,7 @@
     </message>
     <message>
         <source>medium</source>
-        <translation type="unfinished"></translation>
+        <translation>orta</translation>
     </message>
     <message>
         <source>not assessed</source>
@@ -3586,7 +3586,7 @@
     </message>
     <message>
         <source>small</source>
-        <translation type="unfinished"></translation>
+        <translation>küçük</translation>
     </message>
     <message>
         <source>traffic</source>
