@@ -45,7 +45,7 @@
     </message>
     <message>
         <source>Begin a selection at the cursor; the second time, end it there</source>
-        <translation type="unfinished"></translation>
+        <translation>İmleçte bir seçim başlatır; ikinci basışta orada bitirir</translation>
     </message>
     <message>
         <source>Bring the cursor and all views to the selected candidate</source>
@@ -53,7 +53,7 @@
     </message>
     <message>
         <source>Change the colours of the spectrogram</source>
-        <translation type="unfinished"></translation>
+        <translation>Spektrogramın renklerini değiştirir</translation>
     </message>
     <message>
         <source>Class</source>
@@ -77,7 +77,7 @@
     </message>
     <message>
         <source>Compare with the selection</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçimle karşılaştır</translation>
     </message>
     <message>
         <source>Compute path and leaks again with the present form and tie points; decisions are carried over</source>
@@ -89,7 +89,7 @@
     </message>
     <message>
         <source>Contrast</source>
-        <translation type="unfinished"></translation>
+        <translation>Kontrast</translation>
     </message>
     <message>
         <source>Correlator</source>
@@ -217,11 +217,11 @@
     </message>
     <message>
         <source>Let a drag in the spectrogram select instead of pan</source>
-        <translation type="unfinished"></translation>
+        <translation>Spektrogramda sürüklemek kaydırmak yerine seçim yapar</translation>
     </message>
     <message>
         <source>Let the colours fit what is visible now; they stay so</source>
-        <translation type="unfinished"></translation>
+        <translation>Renkleri şu anda görünene göre ayarlar; öyle kalırlar</translation>
     </message>
     <message>
         <source>Mark</source>
@@ -233,11 +233,11 @@
     </message>
     <message>
         <source>Measure the selection as A, against what lies around it</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçimi A olarak, çevresiyle karşılaştırarak ölçer</translation>
     </message>
     <message>
         <source>Measure the selection as B</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçimi B olarak ölçer</translation>
     </message>
     <message>
         <source>Metres or seconds</source>
@@ -273,7 +273,7 @@
     </message>
     <message>
         <source>Next colours</source>
-        <translation type="unfinished"></translation>
+        <translation>Sonraki renkler</translation>
     </message>
     <message>
         <source>Next theme: sun for outdoors, light, dark</source>
@@ -377,19 +377,19 @@
     </message>
     <message>
         <source>Scale of frequencies</source>
-        <translation type="unfinished"></translation>
+        <translation>Frekans ölçeği</translation>
     </message>
     <message>
         <source>Select by dragging</source>
-        <translation type="unfinished"></translation>
+        <translation>Sürükleyerek seç</translation>
     </message>
     <message>
         <source>Selection from here</source>
-        <translation type="unfinished"></translation>
+        <translation>Buradan seç</translation>
     </message>
     <message>
         <source>Short events, steady sounds, excess</source>
-        <translation type="unfinished"></translation>
+        <translation>Kısa olaylar, sürekli sesler, fazlalık</translation>
     </message>
     <message>
         <source>Show all</source>
@@ -401,7 +401,7 @@
     </message>
     <message>
         <source>Show short events, steady sounds, or what is over the local background</source>
-        <translation type="unfinished"></translation>
+        <translation>Kısa olayları, sürekli sesleri ya da yerel arka planın üstünde kalanı gösterir</translation>
     </message>
     <message>
         <source>Show sound and motion along the pipe in metres, or in time</source>
@@ -433,11 +433,11 @@
     </message>
     <message>
         <source>Spectrum of the selection</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçimin spektrumu</translation>
     </message>
     <message>
         <source>Spread frequencies by octaves, evenly, or as the ear hears them</source>
-        <translation type="unfinished"></translation>
+        <translation>Frekansları oktavlarla, eşit aralıklarla ya da kulağın duyduğu gibi dağıtır</translation>
     </message>
     <message>
         <source>Sun, light or dark</source>
@@ -1768,7 +1768,7 @@
     </message>
     <message>
         <source>level {band}</source>
-        <translation type="unfinished"></translation>
+        <translation>düzey {band}</translation>
     </message>
     <message>
         <source>threshold</source>
@@ -2651,7 +2651,7 @@
     </message>
     <message>
         <source>Spectrum</source>
-        <translation type="unfinished"></translation>
+        <translation>Spektrum</translation>
     </message>
     <message>
         <source>Tie points</source>
@@ -2895,63 +2895,63 @@
     <name>SpectrogramTools</name>
     <message>
         <source> Hz</source>
-        <translation type="unfinished"></translation>
+        <translation> Hz</translation>
     </message>
     <message>
         <source>Axes, colours</source>
-        <translation type="unfinished"></translation>
+        <translation>Eksen, renk</translation>
     </message>
     <message>
         <source>Choose the colours' range by what is visible</source>
-        <translation type="unfinished"></translation>
+        <translation>Renklerin aralığını görünene göre seçer</translation>
     </message>
     <message>
         <source>Contrast</source>
-        <translation type="unfinished"></translation>
+        <translation>Kontrast</translation>
     </message>
     <message>
         <source>Drag a rectangle to measure it (else Shift and drag)</source>
-        <translation type="unfinished"></translation>
+        <translation>Ölçmek için bir dikdörtgen sürükleyin (yoksa Shift ile sürükleyin)</translation>
     </message>
     <message>
         <source>Frequencies as the ear hears (mel)</source>
-        <translation type="unfinished"></translation>
+        <translation>Frekanslar kulağın duyduğu gibi (mel)</translation>
     </message>
     <message>
         <source>Frequencies by octaves</source>
-        <translation type="unfinished"></translation>
+        <translation>Frekanslar oktavlarla</translation>
     </message>
     <message>
         <source>Frequencies evenly</source>
-        <translation type="unfinished"></translation>
+        <translation>Frekanslar eşit aralıklı</translation>
     </message>
     <message>
         <source>Green colours</source>
-        <translation type="unfinished"></translation>
+        <translation>Yeşil renkler</translation>
     </message>
     <message>
         <source>Grey, for print</source>
-        <translation type="unfinished"></translation>
+        <translation>Gri, baskı için</translation>
     </message>
     <message>
         <source>Leak band</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak bandı</translation>
     </message>
     <message>
         <source>Look for leaks in the usual band</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçakları olağan bantta arar</translation>
     </message>
     <message>
         <source>Lower edge</source>
-        <translation type="unfinished"></translation>
+        <translation>Alt sınır</translation>
     </message>
     <message>
         <source>Metres along the pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Boru boyunca metre</translation>
     </message>
     <message>
         <source>Red colours</source>
-        <translation type="unfinished"></translation>
+        <translation>Kırmızı renkler</translation>
     </message>
     <message>
         <source>Reset</source>
@@ -2959,31 +2959,31 @@
     </message>
     <message>
         <source>Select</source>
-        <translation type="unfinished"></translation>
+        <translation>Seç</translation>
     </message>
     <message>
         <source>Upper edge</source>
-        <translation type="unfinished"></translation>
+        <translation>Üst sınır</translation>
     </message>
     <message>
         <source>What is shown</source>
-        <translation type="unfinished"></translation>
+        <translation>Gösterilen</translation>
     </message>
     <message>
         <source>Yellow and blue</source>
-        <translation type="unfinished"></translation>
+        <translation>Sarı ve mavi</translation>
     </message>
     <message>
         <source>over the background</source>
-        <translation type="unfinished"></translation>
+        <translation>arka planın üstü</translation>
     </message>
     <message>
         <source>short events</source>
-        <translation type="unfinished"></translation>
+        <translation>kısa olaylar</translation>
     </message>
     <message>
         <source>steady sounds</source>
-        <translation type="unfinished"></translation>
+        <translation>sürekli sesler</translation>
     </message>
 </context>
 <context>
@@ -3009,133 +3009,133 @@
     <name>SpectrumControl</name>
     <message>
         <source>A against B over the whole: {level} dB.</source>
-        <translation type="unfinished"></translation>
+        <translation>A, bütününde B'ye göre: {level} dB.</translation>
     </message>
     <message>
         <source>A stands out in {spans}; most, by {level} ± {half} dB, at {hertz}.</source>
-        <translation type="unfinished"></translation>
+        <translation>A'nın öne çıktığı yer: {spans}; en çok {hertz} çevresinde, {level} ± {half} dB.</translation>
     </message>
     <message>
         <source>A was passed at {a} m/s, B at {b}: rolling alone may explain about {level} dB.</source>
-        <translation type="unfinished"></translation>
+        <translation>A'dan {a} m/s, B'den {b} m/s hızla geçildi: yalnızca yuvarlanma yaklaşık {level} dB açıklayabilir.</translation>
     </message>
     <message>
         <source>A − B</source>
-        <translation type="unfinished"></translation>
+        <translation>A − B</translation>
     </message>
     <message>
         <source>In no band does A stand out of B by more than chance and a decibel.</source>
-        <translation type="unfinished"></translation>
+        <translation>A hiçbir bantta B'den rastlantıdan ve bir desibelden fazla ayrılmıyor.</translation>
     </message>
     <message>
         <source>Measuring …</source>
-        <translation type="unfinished"></translation>
+        <translation>Ölçülüyor …</translation>
     </message>
     <message>
         <source>Save spectrum</source>
-        <translation type="unfinished"></translation>
+        <translation>Spektrumu kaydet</translation>
     </message>
     <message>
         <source>Select a stretch in the spectrogram (Shift and drag), then make it A.</source>
-        <translation type="unfinished"></translation>
+        <translation>Spektrogramda bir bölüm seçin (Shift ile sürükleyin), sonra onu A yapın.</translation>
     </message>
     <message>
         <source>Written: {file}</source>
-        <translation type="unfinished"></translation>
+        <translation>Yazıldı: {file}</translation>
     </message>
     <message>
         <source>around A</source>
-        <translation type="unfinished"></translation>
+        <translation>A'nın çevresi</translation>
     </message>
     <message>
         <source>dB</source>
-        <translation type="unfinished"></translation>
+        <translation>dB</translation>
     </message>
     <message>
         <source>dB of full scale a hertz</source>
-        <translation type="unfinished"></translation>
+        <translation>hertz başına tam ölçek dB'si</translation>
     </message>
     <message>
         <source>{count} multiples of {hertz} Hz in A: a machine, not a leak.</source>
-        <translation type="unfinished"></translation>
+        <translation>A'da {hertz} Hz'in {count} katı var: bir makine, kaçak değil.</translation>
     </message>
     <message>
         <source>{name}: {place}; {seconds} s, {windows} windows</source>
-        <translation type="unfinished"></translation>
+        <translation>{name}: {place}; {seconds} s, {windows} pencere</translation>
     </message>
 </context>
 <context>
     <name>SpectrumPanel</name>
     <message>
         <source>Average</source>
-        <translation type="unfinished"></translation>
+        <translation>Ortalama</translation>
     </message>
     <message>
         <source>B: around A</source>
-        <translation type="unfinished"></translation>
+        <translation>B: A'nın çevresi</translation>
     </message>
     <message>
         <source>Difference A − B</source>
-        <translation type="unfinished"></translation>
+        <translation>Fark A − B</translation>
     </message>
     <message>
         <source>Measure the selected stretch as A</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçili bölümü A olarak ölçer</translation>
     </message>
     <message>
         <source>Measure the selected stretch as B</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçili bölümü B olarak ölçer</translation>
     </message>
     <message>
         <source>Measure what lies before and after A as B</source>
-        <translation type="unfinished"></translation>
+        <translation>A'nın öncesini ve sonrasını B olarak ölçer</translation>
     </message>
     <message>
         <source>Same loudness</source>
-        <translation type="unfinished"></translation>
+        <translation>Aynı ses düzeyi</translation>
     </message>
     <message>
         <source>Save CSV…</source>
-        <translation type="unfinished"></translation>
+        <translation>CSV kaydet…</translation>
     </message>
     <message>
         <source>Save picture…</source>
-        <translation type="unfinished"></translation>
+        <translation>Resmi kaydet…</translation>
     </message>
     <message>
         <source>Selection is A</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçim A olsun</translation>
     </message>
     <message>
         <source>Selection is B</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçim B olsun</translation>
     </message>
     <message>
         <source>Take off by how much A is louder than B as a whole: compare the shapes</source>
-        <translation type="unfinished"></translation>
+        <translation>A'nın bütünüyle B'den ne kadar yüksek olduğunu çıkarır: biçimleri karşılaştırır</translation>
     </message>
     <message>
         <source>Write the numbers</source>
-        <translation type="unfinished"></translation>
+        <translation>Sayıları yazar</translation>
     </message>
     <message>
         <source>Write the picture</source>
-        <translation type="unfinished"></translation>
+        <translation>Resmi yazar</translation>
     </message>
     <message>
         <source>with knocks (mean)</source>
-        <translation type="unfinished"></translation>
+        <translation>vuruşlarla (ortalama)</translation>
     </message>
     <message>
         <source>without knocks (median)</source>
-        <translation type="unfinished"></translation>
+        <translation>vuruşsuz (ortanca)</translation>
     </message>
 </context>
 <context>
     <name>SpectrumView</name>
     <message>
         <source>Spectrum</source>
-        <translation type="unfinished"></translation>
+        <translation>Spektrum</translation>
     </message>
 </context>
 <context>
