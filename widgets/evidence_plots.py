@@ -205,7 +205,7 @@ class SmallPlotView(Painted):
         area.setRight(rect.right() - 4)
         area.setBottom(rect.bottom() - line - 2)
         painter.fillRect(area, QColor(self._theme.canvas))
-        spans = [plot.y, *([] if plot.band is None else [plot.band.ravel()])]
+        spans = [plot.y, *(part.ravel() for part in (plot.band, plot.fit_y) if part is not None)]
         values = np.concatenate(spans)
         values = values[np.isfinite(values)]
         low = min(float(values.min(initial=0.0)), -1.0)

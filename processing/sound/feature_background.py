@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 PLACES = 60
 _LEAST_PLACES = 8
+_OWN = ("width_m",)  # the width is the candidate's everywhere: there is nothing to compare
 _APART_M, _APART_S, _APART_WIDTHS = 5.0, 10.0, 3.0
 _RISE_REACH_WIDTHS, _RISE_REACH = 6.0, 8.0
 
@@ -88,7 +89,7 @@ def evidence_of(
     elsewhere = _elsewhere(ground, candidate, others, place, width)
     measured = [features_at(ground, at, width, candidate.band_hz) for at in elsewhere]
     shown = [
-        _shown(name, value, [m[name] for m in measured], judged.for_leak.get(name, 0.0))
+        _shown(name, value, [m[name] for m in measured] if name not in _OWN else [], judged.for_leak.get(name, 0.0))
         for name in FEATURES
         if np.isfinite(value := figures[name])
     ]
