@@ -20,14 +20,18 @@ _ANCHORS: Mapping[str, str] = {
     "grey": "ffffff 000000",
 }
 COLOR_MAPS = tuple(_ANCHORS)  # for levels
-EXCESS_MAP = "excess"
-# purple under, white at, orange over the background: PuOr of ColorBrewer (Harrower and Brewer 2003)
-_EXCESS_ANCHORS = "2d004b 542788 8073ac b2abd2 d8daeb f7f7f7 fee0b6 fdb863 e08214 b35806 7f3b08"
+EXCESS_MAP, DARK_EXCESS_MAP = "excess", "excess_dark"
+# purple under, white at, orange over the background: PuOr of ColorBrewer (Harrower and Brewer 2003); and turned inside
+# out for the dark theme, where white would blind
+_EXCESS_ANCHORS: Mapping[str, str] = {
+    EXCESS_MAP: "2d004b 542788 8073ac b2abd2 d8daeb f7f7f7 fee0b6 fdb863 e08214 b35806 7f3b08",
+    DARK_EXCESS_MAP: "d8daeb b2abd2 8073ac 542788 33205a 12161b 5a3208 a85a0c e08214 fdb863 fee0b6",
+}
 
 
 def color_map(name: str) -> pg.ColorMap:
     """Return a colour map, quiet to loud; ``grey`` runs from white to black."""
-    anchors = _EXCESS_ANCHORS if name == EXCESS_MAP else _ANCHORS[name]
+    anchors = _EXCESS_ANCHORS[name] if name in _EXCESS_ANCHORS else _ANCHORS[name]
     return pg.ColorMap(None, [f"#{anchor}" for anchor in anchors.split()], name=name)
 
 

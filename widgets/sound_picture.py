@@ -13,7 +13,7 @@ from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QWidget
 
 from processing.survey import Channel
-from widgets.color_maps import COLOR_MAPS, EXCESS_MAP
+from widgets.color_maps import COLOR_MAPS, DARK_EXCESS_MAP, EXCESS_MAP
 from widgets.colour_bar import LEAST_RANGE_DB, ColourBar
 from widgets.latest_loader import LatestLoader
 from widgets.linked_plot import LinkedPlot
@@ -50,12 +50,14 @@ class SoundPicture(LinkedPlot):
         self._level_bar = ColourBar(Scale(-120.0, 0.0), -90.0, -30.0, "viridis")
         span = Scale(-MOST_EXCESS_DB, MOST_EXCESS_DB)
         self._excess_bar = ColourBar(span, -USUAL_EXCESS_DB, USUAL_EXCESS_DB, EXCESS_MAP, symmetric=True)
+        if theme.name == "dark":
+            self._excess_bar = replace(self._excess_bar, color_map=DARK_EXCESS_MAP)
         self._overview_item, self._picture_item = PictureItem(), PictureItem()
         for item in (self._overview_item, self._picture_item):
             self._plot.addItem(item, ignoreBounds=True)
         self._bar_item = PaintedItem(self._plot, self._paint_bar, 9.0, Keep.PIXELS)
         self._bar_shown: tuple[ColourBar, Theme, QRectF] | None = None
-        self._range_is_chosen = False
+        self._range_is_chosen = self._range_is_guessed = False
         self._picture: Picture | None = None
         self._overview: Picture | None = None
         self._asked: PictureKey | None = None
@@ -67,6 +69,12 @@ class SoundPicture(LinkedPlot):
         for loader in (self._loader, self._overview_loader):
             loader.failed.connect(self.read_failed)
         cursor.axis_changed.connect(self._forget_map)
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw in these colours and letters; what is as loud as the background looks like the canvas."""
+        name = DARK_EXCESS_MAP if theme.name == "dark" else EXCESS_MAP
+        self._excess_bar = replace(self._excess_bar, color_map=name)
+        super().apply_theme(theme)
 
     # --- what it is told ----------------------------------------------------------------------------------------
 
@@ -112,7 +120,7 @@ class SoundPicture(LinkedPlot):
             return
         high_db = max(high_db, low_db + LEAST_RANGE_DB)
         if self._plane is not Plane.EXCESS:
-            self._range_is_chosen = True
+            self._range_is_chosen, self._range_is_guessed = True, False
         if (low_db, high_db) != self.db_range:
             self._set_bar(replace(self._bar, low_db=low_db, high_db=high_db))
             self.db_range_changed.emit(low_db, high_db)
@@ -214,7 +222,7 @@ class SoundPicture(LinkedPlot):
     def _take_overview(self, picture: Picture) -> None:
         self._overview = picture
         if not self._range_is_chosen and picture.key.plane is not Plane.EXCESS:
-            self._choose_range(picture.levels)
+            self._range_is_guessed = self._choose_range(picture.levels)
         self.invalidate()
 
     def _forget_map(self) -> None:
@@ -238,9 +246,10 @@ class SoundPicture(LinkedPlot):
 
     def _within(self, source: TileSource, top_db: float) -> tuple[float, float]:
         low, high = self._level_bar.low_db, self._level_bar.high_db
-        if self._range_is_chosen and low < top_db and high > source.low_db:
+        told = self._range_is_chosen and not self._range_is_guessed  # what was guessed fits another sound no more
+        if told and low < top_db and high > source.low_db:
             return low, high
-        self._range_is_chosen = False
+        self._range_is_chosen = self._range_is_guessed = False
         return source.low_db + 0.25 * (top_db - source.low_db), source.low_db + 0.75 * (top_db - source.low_db)
 
     # --- levels and colours -------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ common cursor's selection, which all plots show.
 """
 
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPen
 from PySide6.QtWidgets import QWidget
 
 from widgets.band_handles import BandHandles
@@ -41,6 +41,7 @@ class SpectrogramView(SoundPicture):
         self.select_tool = False  # a plain drag selects
         self._band_hz: tuple[float, float] | None = None
         self._dragged_band_hz: tuple[float, float] | None = None
+        self._band_before_hz = (0.0, 0.0)  # what a drag began with
         self._selected_hz: tuple[float, float] | None = None  # None: all
         self._selecting_now = False
         self._figures: SelectionFigures | None = None
@@ -246,7 +247,21 @@ class SpectrogramView(SoundPicture):
             return self._drag_edge(of, edge)
         return self._selecting(place) if self.select_tool and rect.contains(place) else None
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Escape puts a band back that is being dragged, or else selects nothing."""
+        if event.key() == Qt.Key.Key_Escape and self._dragged_band_hz is not None:
+            self._pressed = self._drag = self._dragged_band_hz = None
+            self.set_band(*self._band_before_hz)
+        elif event.key() == Qt.Key.Key_Escape and self.selection is not None:
+            self._pressed = self._drag = None
+            self._selecting_now = False
+            self._cursor.clear_selection()
+        else:
+            super().keyPressEvent(event)
+
     def _drag_band(self, which: int) -> Drag:
+        self._band_before_hz = self._band_hz or self._band_before_hz
+
         def drag(place: QPointF) -> None:
             if self._band_hz is None:
                 return

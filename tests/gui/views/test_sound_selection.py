@@ -107,6 +107,26 @@ def test_a_span_chosen_in_another_plot_holds_all_frequencies_and_a_click_clears_
     assert view.selection_text() == ""
 
 
+def test_escape_puts_a_dragged_band_back_and_clears_a_selection(cursor, view, qtbot):
+    view.set_band(1000.0, 4000.0)
+    view.select(SoundSelection(100.0, 110.0, 2000.0, 3000.0))
+    heard = []
+    view.band_changed.connect(lambda *band: heard.append(band))
+    handles = view._handles()
+    start = handles.grips(1, handles.high_y)[1].center().toPoint()
+    QTest.mousePress(view, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, start)
+    for down in (10, 40):
+        QTest.mouseMove(view, start + QPoint(0, down))
+    assert view.band_hz[1] < 3900.0
+    qtbot.keyClick(view, Qt.Key.Key_Escape)
+    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, start + QPoint(0, 40))
+    assert view.band_hz == (1000.0, 4000.0)
+    assert heard == []
+    assert view.selection is not None
+    qtbot.keyClick(view, Qt.Key.Key_Escape)
+    assert view.selection is None
+
+
 def test_beside_a_selection_lie_spans_as_long_in_the_unit_of_the_axis(cursor, view):
     cursor.set_axis_mode("distance")
     # 0.5 m/s to 200 s, a stop to 300 s, then 1 m/s: metres 95..100 and 100..105 take 10 s, and then 5 s after the stop
