@@ -123,8 +123,8 @@ def packet_band(stretch: Packets, background: Packets, criterion: str = "energy"
     """Return the node in which ``stretch`` stands out most of ``background``; None where none does by four sigma.
 
     By ``energy`` that is where a detector of energy would be surest: the rise over the background times the root of
-    the bandwidth; ``excess`` is in dB. By ``kurtosis`` it is the highest rise of the kurtosis, by ``entropy`` the
-    deepest fall of the entropy: both find what comes in bursts, and nothing in a steady hiss.
+    the background's equivalent bandwidth; ``excess`` is in dB. By ``kurtosis`` it is the highest rise of the kurtosis,
+    by ``entropy`` the deepest fall of the entropy: both find what comes in bursts, and nothing in a steady hiss.
 
     Raises:
         ValueError: another criterion, or packets of other bands.
@@ -142,13 +142,27 @@ def packet_band(stretch: Packets, background: Packets, criterion: str = "energy"
     ratio = np.divide(stretch.power, background.power, out=np.ones(len(stretch.power)), where=background.power > 0)
     excess_db = 10.0 * np.log10(np.maximum(ratio, 1e-30))
     sigma_db = np.hypot(10.0 / np.log(10.0) * np.sqrt(2.0 * both), _FLOOR_DB)
-    width = np.sqrt(stretch.bands_hz[:, 1] - stretch.bands_hz[:, 0])
-    sure = np.where(excess_db > _SIGMAS * sigma_db, (ratio - 1.0) * width, -np.inf)
+    surely = (ratio - 1.0) * np.sqrt(_equivalent_width_hz(background))
+    sure = np.where(excess_db > _SIGMAS * sigma_db, surely, -np.inf)
     best = int(np.argmax(sure))
     if not np.isfinite(sure[best]):
         return None
     low, high = stretch.bands_hz[best]
     return BandChoice((float(low), float(high)), float(excess_db[best]), float(sigma_db[best]))
+
+
+def _equivalent_width_hz(packets: Packets) -> FloatArray:
+    """Return the bandwidth (n,) of white noise whose power would be as well known as each node's: ``(Σp)²/Σp²``.
+
+    Of a wide node over a steep spectrum the lowest part alone makes the power, and the width is that part's.
+    """
+    deepest = packets.level == packets.level.max()
+    power, edges = packets.power[deepest], packets.bands_hz[deepest]
+    first = np.searchsorted(edges[:, 0], packets.bands_hz[:, 0] + 1e-6, side="right") - 1
+    end = np.searchsorted(edges[:, 1], packets.bands_hz[:, 1] - 1e-6, side="left") + 1
+    total, square = (np.concatenate([[0.0], np.cumsum(terms)]) for terms in (power, np.square(power)))
+    spread = np.maximum(square[end] - square[first], 1e-300)
+    return np.asarray((edges[0, 1] - edges[0, 0]) * np.square(total[end] - total[first]) / spread, np.float64)
 
 
 def _disorder(packets: Packets) -> FloatArray:

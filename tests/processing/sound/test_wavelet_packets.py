@@ -100,6 +100,17 @@ def test_a_steady_hiss_stands_out_by_energy_in_its_band_and_not_by_bursts():
     assert packet_band(leak, quiet, "entropy") is None
 
 
+def test_over_a_steep_background_a_wide_band_does_not_win_by_its_width():
+    """Flow noise falls by 12 dB an octave: of 0 to 4 kHz only the lowest part would be heard."""
+    red = signal.butter(2, 300, fs=RATE, output="sos")
+    quiet, leak = (signal.sosfilt(red, 30 * noise(10, seed)) + 0.1 * noise(10, seed + 9) for seed in (11, 12))
+    band = signal.sosfilt(signal.butter(4, [1000, 2000], "bandpass", fs=RATE, output="sos"), noise(10, 13))
+    choice = packet_band(wavelet_packets(leak + 2 * band, RATE), wavelet_packets(quiet, RATE))
+    assert choice is not None
+    assert choice.band_hz[0] >= 1000
+    assert choice.band_hz[1] <= 2125
+
+
 @pytest.mark.parametrize("criterion", ["kurtosis", "entropy"])
 def test_bumps_stand_out_by_kurtosis_and_by_entropy_in_their_band(criterion):
     quiet = wavelet_packets(noise(10, 6), RATE)
