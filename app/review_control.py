@@ -221,7 +221,7 @@ class ReviewControl(QObject):
 
     def _show_candidates(self) -> None:
         rows = self._session.rows()
-        self._page.table.set_rows(rows)
+        self._page.table.set_rows(rows, searched=self._session.results is not None)
         self._page.show_candidates(rows)
         self._show_selection()
 

@@ -190,7 +190,7 @@ class CandidateTable(QWidget):
         self._order.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._order.currentIndexChanged.connect(self._reorder)
         self._count = QLabel()
-        self._empty = QLabel(self.tr("No leak candidates were found. M marks one by hand at the cursor."))
+        self._empty = QLabel()
         self._empty.setWordWrap(True)
         self._empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._table = self._make_table()
@@ -256,12 +256,17 @@ class CandidateTable(QWidget):
         self.model.set_theme(theme)
         self._table.viewport().update()
 
-    def set_rows(self, rows: Sequence[CandidateRow]) -> None:
-        """Show these candidates; the selection is kept where it still exists."""
+    def set_rows(self, rows: Sequence[CandidateRow], *, searched: bool = True) -> None:
+        """Show these candidates; the selection is kept where it still exists.
+
+        An empty list says that nothing was found, or that nothing has been ``searched`` yet.
+        """
         kept = self.selected_id()
         self._quiet = True
         self.model.set_rows(sort_rows(rows, self.order))
         self._quiet = False
+        found_none = self.tr("No leak candidates were found. M marks one by hand at the cursor.")
+        self._empty.setText(found_none if searched else self.tr("Leaks have not been looked for yet."))
         self._empty.setVisible(not rows)
         self._table.setVisible(bool(rows))
         self._show_count()
