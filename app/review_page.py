@@ -147,7 +147,7 @@ class ReviewPage(QWidget):
         width, height = max(self.width(), 1000), max(self.height(), 500)
         shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.66, 0.34), "leaks": (0.23, 0.47, 0.30)}[arrangement]
         self._columns.setSizes([round(width * s) for s in shares])
-        strips = {"path": (0.15, 0.0, 0.3, 0.55), "sound": (0.08, 0.5, 0.2, 0.22), "leaks": (0.12, 0.53, 0.35, 0.0)}
+        strips = {"path": (0.15, 0.0, 0.3, 0.55), "sound": (0.08, 0.46, 0.19, 0.27), "leaks": (0.12, 0.53, 0.35, 0.0)}
         self._strips.setSizes([round(height * s) for s in strips[arrangement]])
         self._maps.setSizes([round(height * s) for s in ((0.7, 0.3) if path else (0.65, 0.35))])
         self.layout_changed.emit()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from processing.sound.harmonics import Harmonics
     from processing.sound.spectrum import Comparison, PowerSpectrum
 
+DENSITY_UNIT = "dBFS/Hz"  # 0 dB: a full-scale sine
 LONGEST_S = 3600.0  # of a stretch: an hour takes a few seconds
 HARMONICS_S = 60.0
 MOST_MARKS = 12
@@ -181,7 +182,7 @@ class SpectrumControl(QObject):
         if found is None:
             return
         comparison = found.comparison
-        view, unit = self._panel.view, self.tr("dB of full scale a hertz")
+        view, unit = self._panel.view, DENSITY_UNIT
         standing = [(b.low_hz, b.high_hz) for b in comparison.bands if b.stands_out] if comparison is not None else []
         if comparison is not None and self._panel.wants_difference:
             name = self.tr("A − B")

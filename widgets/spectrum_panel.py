@@ -1,7 +1,7 @@
 """The spectrum tool beside the sound: take the selection as A or B, see both or their difference, write them out."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QCheckBox, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
 
 from widgets.plot_theme import LIGHT, Theme
 from widgets.quiet_combo import QuietCombo
@@ -21,8 +21,8 @@ class SpectrumPanel(QWidget):
         super().__init__(parent)
         self.view = SpectrumView(theme)
         self._uses = {
-            "a": self._button("spectrum_a", self.tr("Selection is A"), self.tr("Measure the selected stretch as A")),
-            "b": self._button("spectrum_b", self.tr("Selection is B"), self.tr("Measure the selected stretch as B")),
+            "a": self._button("spectrum_a", self.tr("A: selection"), self.tr("Measure the selected stretch as A")),
+            "b": self._button("spectrum_b", self.tr("B: selection"), self.tr("Measure the selected stretch as B")),
             "around": self._button(
                 "spectrum_around", self.tr("B: around A"), self.tr("Measure what lies before and after A as B")
             ),
@@ -41,8 +41,8 @@ class SpectrumPanel(QWidget):
         self._average.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._average.currentIndexChanged.connect(lambda _index: self.options_changed.emit())
         self._exports = {
-            "csv": self._button("spectrum_csv", self.tr("Save CSV…"), self.tr("Write the numbers")),
-            "png": self._button("spectrum_png", self.tr("Save picture…"), self.tr("Write the picture")),
+            "csv": self._button("spectrum_csv", self.tr("CSV…"), self.tr("Write the numbers")),
+            "png": self._button("spectrum_png", self.tr("Picture…"), self.tr("Write the picture")),
         }
         for kind, button in self._exports.items():
             button.clicked.connect(lambda _checked=False, kind=kind: self.export_asked.emit(kind))
@@ -50,26 +50,34 @@ class SpectrumPanel(QWidget):
         self._words.setObjectName("spectrum_words")
         self._words.setWordWrap(True)
         self._words.setTextFormat(Qt.TextFormat.PlainText)
+        self._words.setAlignment(Qt.AlignmentFlag.AlignTop)
         self._words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._lay_out()
+        self.set_words("")
         self.set_able(selection=False, stretches="")
 
     def _lay_out(self) -> None:
-        uses, options, exports = QHBoxLayout(), QGridLayout(), QHBoxLayout()
-        for row, widgets in ((uses, self._uses.values()), (exports, self._exports.values())):
-            for widget in widgets:
-                row.addWidget(widget, 1)
-        options.addWidget(self._difference, 0, 0)
-        options.addWidget(self._same, 0, 1)
-        options.addWidget(self._average, 1, 0, 1, 2)
+        uses, options, last = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
+        for button in self._uses.values():
+            uses.addWidget(button, 1)
+        for box in (self._difference, self._same):
+            options.addWidget(box, 1)
+        last.addWidget(self._average, 2)
+        for button in self._exports.values():
+            last.addWidget(button, 1)
+        self._room = QScrollArea()
+        self._room.setWidgetResizable(True)
+        self._room.setFrameShape(QScrollArea.Shape.NoFrame)
+        self._room.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._room.setWidget(self._words)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(4)
         layout.addLayout(uses)
-        layout.addWidget(self.view, 1)
-        layout.addWidget(self._words)
+        layout.addWidget(self.view, 3)
+        layout.addWidget(self._room, 2)
         layout.addLayout(options)
-        layout.addLayout(exports)
+        layout.addLayout(last)
 
     @property
     def average(self) -> str:
@@ -100,7 +108,7 @@ class SpectrumPanel(QWidget):
     def set_words(self, text: str) -> None:
         """Say what is shown, and what may be concluded."""
         self._words.setText(text)
-        self._words.setVisible(bool(text))
+        self._room.setVisible(bool(text))
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""

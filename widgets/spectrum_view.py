@@ -60,7 +60,7 @@ class SpectrumView(QWidget):
         self._at_hz: float | None = None
         self.setAccessibleName(self.tr("Spectrum"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setMinimumSize(220, 140)
+        self.setMinimumSize(220, 160)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
@@ -291,7 +291,7 @@ class SpectrumView(QWidget):
             painter.setPen(QPen(QColor(self._theme.cursor), 1, Qt.PenStyle.DotLine))
             painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
             width = metrics.horizontalAdvance(mark.text) + 8
-            if x - 0.5 * width > last and x + 0.5 * width < rect.right():
+            if x - 0.5 * width > max(last, rect.left()) and x + 0.5 * width < rect.right():
                 box = QRectF(x - 0.5 * width, rect.bottom() - 1.4 * metrics.height(), width, 1.3 * metrics.height())
                 paint_tag(painter, self._theme, mark.text, box)
                 last = box.right()

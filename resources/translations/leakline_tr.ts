@@ -650,6 +650,10 @@
         <translation>Kaçak adayları</translation>
     </message>
     <message>
+        <source>Leaks have not been looked for yet.</source>
+        <translation>Kaçaklar henüz aranmadı.</translation>
+    </message>
+    <message>
         <source>No leak candidates were found. M marks one by hand at the cursor.</source>
         <translation>Kaçak adayı bulunmadı. M tuşu imlecin yerine elle işaret koyar.</translation>
     </message>
@@ -3052,10 +3056,6 @@
         <translation>dB</translation>
     </message>
     <message>
-        <source>dB of full scale a hertz</source>
-        <translation>hertz başına tam ölçek dB'si</translation>
-    </message>
-    <message>
         <source>{count} multiples of {hertz} Hz in A: a machine, not a leak.</source>
         <translation>A'da {hertz} Hz'in {count} katı var: bir makine, kaçak değil.</translation>
     </message>
@@ -3067,12 +3067,24 @@
 <context>
     <name>SpectrumPanel</name>
     <message>
+        <source>A: selection</source>
+        <translation>A: seçim</translation>
+    </message>
+    <message>
         <source>Average</source>
         <translation>Ortalama</translation>
     </message>
     <message>
         <source>B: around A</source>
-        <translation>B: A'nın çevresi</translation>
+        <translation>B: çevresi</translation>
+    </message>
+    <message>
+        <source>B: selection</source>
+        <translation>B: seçim</translation>
+    </message>
+    <message>
+        <source>CSV…</source>
+        <translation>CSV…</translation>
     </message>
     <message>
         <source>Difference A − B</source>
@@ -3091,24 +3103,12 @@
         <translation>A'nın öncesini ve sonrasını B olarak ölçer</translation>
     </message>
     <message>
+        <source>Picture…</source>
+        <translation>Resim…</translation>
+    </message>
+    <message>
         <source>Same loudness</source>
         <translation>Aynı ses düzeyi</translation>
-    </message>
-    <message>
-        <source>Save CSV…</source>
-        <translation>CSV kaydet…</translation>
-    </message>
-    <message>
-        <source>Save picture…</source>
-        <translation>Resmi kaydet…</translation>
-    </message>
-    <message>
-        <source>Selection is A</source>
-        <translation>Seçim A olsun</translation>
-    </message>
-    <message>
-        <source>Selection is B</source>
-        <translation>Seçim B olsun</translation>
     </message>
     <message>
         <source>Take off by how much A is louder than B as a whole: compare the shapes</source>
