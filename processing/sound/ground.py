@@ -23,7 +23,7 @@ _TONE_SMOOTH_S = 31  # a pump hums for minutes, and swells within seconds
 _TONE_USUAL = 0.2  # quantile of the run: a pump that runs most of the time must not become the usual state
 _CHORD_M = 2.5
 _TURN_STEP_M = 0.5
-_MOST_KNOCKS_PM = 2.0  # a metre: of more, only the stronger ones can be joints
+_MOST_KNOCKS_PM, _MOST_KNOCKS = 0.7, 8000  # a metre and in all: joints are among the stronger; more costs a minute
 _VALVE = re.compile(r"\b(valve|vana|vanas[ıi]|hydrant|hidrant|vantuz|gate|sv|pv|av)\b", re.IGNORECASE)
 
 
@@ -98,7 +98,7 @@ def _joints(track: Track | None, time_s: FloatArray, strength: FloatArray) -> Fl
         return np.zeros(0)
     moving = np.interp(time_s, track.time_s, np.abs(track.speed_mps), left=0.0, right=0.0) > 0.05
     place, strength = chainage_at(track, time_s[moving]), strength[moving]
-    most = int(_MOST_KNOCKS_PM * float(track.chainage_m[-1]))
+    most = min(int(_MOST_KNOCKS_PM * float(track.chainage_m[-1])), _MOST_KNOCKS)
     if len(place) > most:
         keep = np.sort(np.argsort(strength, kind="stable")[len(place) - most :])
         place = place[keep]
