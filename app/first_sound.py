@@ -32,7 +32,7 @@ class FirstSound(QObject):
         self._look: opening.FirstLook | None = None
         self._tiles: CoarseTiles | None = None
         self._job: Job | None = None
-        self._seen = -1.0
+        self._seen = 0.0
         self._grace, self._timer = QTimer(self), QTimer(self)
         self._grace.setSingleShot(True)
         self._grace.setInterval(GRACE_MS)
@@ -86,7 +86,7 @@ class FirstSound(QObject):
         self._job = None
         if tiles is None:
             return
-        self._tiles, self._seen = tiles, -1.0
+        self._tiles, self._seen = tiles, tiles.known
         self._page.show_sound(tiles)
         self._timer.start()
         self._renew()
@@ -97,11 +97,10 @@ class FirstSound(QObject):
         look, tiles = self._look, self._tiles
         if look is None or tiles is None:
             return
-        known = tiles.known
-        if known != self._seen:
-            if self._seen >= 0:
-                self._page.spectrogram.reload()
+        known, picture = tiles.known, self._page.spectrogram
+        if known != self._seen and picture.is_sharp:  # else a read is under way, and asking again would void it
             self._seen = known
+            picture.reload()
         share = look.growing.share
         text = self.tr("A first look at the sound: one moment here and there, until it is processed")
         if share > 0:

@@ -23,7 +23,7 @@ from processing.survey import AudioSource, FloatArray
 
 _MOST_WINDOWS = 2048  # over the whole sound; finer gaps are read for what is looked at
 _AT_ONCE = 16  # windows between two looks at the clock: on a disc that must turn, each takes 10 ms
-_PATIENCE_S = 0.35
+_PATIENCE_S = 0.25
 _LAST_STEPS_S = 5.0  # that the files of a pass may take to get into place
 _DETAIL_S = 60.0
 
@@ -116,7 +116,7 @@ def _finished_columns(place: _Place, edges: FloatArray, plane: str) -> tuple[Byt
 class CoarseTiles:
     """A picture of ``source`` from the first moment on; times are on the audio clock.
 
-    Asked by several threads; each answer takes about a third of a second at most, be the disc ever so slow, and is the
+    Asked by several threads; each answer takes about a quarter of a second at most, be the disc ever so slow, and is the
     finer the more was asked before.
     """
 
