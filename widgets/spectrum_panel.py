@@ -38,11 +38,13 @@ class SpectrumPanel(QWidget):
         self._average.addItem(self.tr("without knocks (median)"), "median")
         self._average.addItem(self.tr("with knocks (mean)"), "mean")
         self._average.setMinimumHeight(LEAST_HEIGHT)
+        self._average.setSizeAdjustPolicy(QuietCombo.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self._average.setMinimumContentsLength(6)
         self._average.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._average.currentIndexChanged.connect(lambda _index: self.options_changed.emit())
         self._exports = {
-            "csv": self._button("spectrum_csv", self.tr("CSV…"), self.tr("Write the numbers")),
-            "png": self._button("spectrum_png", self.tr("Picture…"), self.tr("Write the picture")),
+            "csv": self._button("spectrum_csv", "CSV", self.tr("Write the numbers")),
+            "png": self._button("spectrum_png", "PNG", self.tr("Write the picture")),
         }
         for kind, button in self._exports.items():
             button.clicked.connect(lambda _checked=False, kind=kind: self.export_asked.emit(kind))
@@ -119,7 +121,7 @@ class SpectrumPanel(QWidget):
         button.setObjectName(name)
         button.setToolTip(tip)
         button.setMinimumHeight(LEAST_HEIGHT)
-        button.setMinimumWidth(40)
+        button.setMinimumWidth(72)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         return button
 

@@ -3083,10 +3083,6 @@
         <translation>B: seçim</translation>
     </message>
     <message>
-        <source>CSV…</source>
-        <translation>CSV…</translation>
-    </message>
-    <message>
         <source>Difference A − B</source>
         <translation>Fark A − B</translation>
     </message>
@@ -3101,10 +3097,6 @@
     <message>
         <source>Measure what lies before and after A as B</source>
         <translation>A'nın öncesini ve sonrasını B olarak ölçer</translation>
-    </message>
-    <message>
-        <source>Picture…</source>
-        <translation>Resim…</translation>
     </message>
     <message>
         <source>Same loudness</source>
