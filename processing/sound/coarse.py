@@ -116,8 +116,8 @@ def _finished_columns(place: _Place, edges: FloatArray, plane: str) -> tuple[Byt
 class CoarseTiles:
     """A picture of ``source`` from the first moment on; times are on the audio clock.
 
-    Asked by several threads; each answer takes about a quarter of a second at most, be the disc ever so slow, and is the
-    finer the more was asked before.
+    Asked by several threads; each answer takes about a quarter of a second at most, be the disc ever so slow, and is
+    the finer the more was asked before.
     """
 
     def __init__(self, source: AudioSource, growing: GrowingPass) -> None:
