@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
 
 from widgets.band_map import BandMapView
 from widgets.plot_theme import LIGHT, Theme
@@ -44,16 +44,15 @@ class BandPanel(QWidget):
         for label in (self._hint, self._result):
             label.setWordWrap(True)
             label.setTextFormat(Qt.TextFormat.PlainText)
-        buttons = QHBoxLayout()
-        buttons.addWidget(self._measure, 1)
-        buttons.addWidget(self._take, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._method)
         layout.addWidget(self._hint)
         layout.addWidget(self.view, 1)
         layout.addWidget(self._result)
-        layout.addLayout(buttons)
+        # above one another: side by side, in bold letters, they would push the page wider than a field laptop
+        layout.addWidget(self._measure)
+        layout.addWidget(self._take)
         self.set_able(selection=False)
         self.show_band(None)
 
