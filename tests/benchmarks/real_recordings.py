@@ -46,7 +46,7 @@ from processing.sound.candidates import find_candidates
 
 EDGES_HZ = (20, 50, 100, 200, 400, 800, 1600, 3200, 4000)
 KINDS = ("circumferential-crack", "gasket-leak", "longitudinal-crack", "orifice-leak")
-SNRS_DB = (12.0, 6.0, 2.0, -2.0, -6.0, -10.0)
+SNRS_DB = (12.0, 6.0, 2.0, -2.0, -6.0)
 WIDTHS_M = (1.0, 2.5)
 RATE = 44100
 
