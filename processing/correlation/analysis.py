@@ -182,11 +182,13 @@ def analyse(reading: Reading, pipe: Pipe, sync: Sync, choice: Choice) -> Correla
         parts = delays_of_parts(spectra, weight, chosen, longest_s, dispersion)
     delay_s, sigma_s = _delay(chosen, phase, parts)
     significant = chosen is not None and chosen.probability < _SIGNIFICANT
-    if phase is not None and choice.dispersion.reference_hz is None and _is_bent(phase):
-        # nobody said at which frequency the speed holds: an e-fold either way
-        sigma_s = math.hypot(sigma_s, phase.dispersion.slope * delay_s)
+    # where nobody said at which frequency the speed holds, it may be an e-fold away, whether or not the slope shows
+    bend = choice.dispersion
+    speeds_part = 0.0
+    if phase is not None and bend.reference_hz is None and (bend.sigma > 0.0 or bend.slope != 0.0):
+        speeds_part = math.hypot(phase.dispersion.slope, min(phase.slope_sigma, bend.sigma))
     clock_s = _clock_sigma_s(reading, sync)
-    position = locate(pipe, delay_s, sigma_s, clock_s) if significant and sync.known else None
+    position = locate(pipe, delay_s, sigma_s, clock_s, speeds_part) if significant and sync.known else None
     result = Correlation(
         spectra, band, found is not None, gain, hum, weight, gram, tops, chosen, phase, parts, reading.drift,
         resonances, delay_s, sigma_s, position, (),

@@ -230,18 +230,21 @@ def delay_of_place(pipe: Pipe, from_a_m: float) -> float:
     return pipe.travel_s - 2.0 * to_a_s
 
 
-def locate(pipe: Pipe, delay_s: float, delay_sigma_s: float, clock_sigma_s: float = 0.0) -> Position:
+def locate(
+    pipe: Pipe, delay_s: float, delay_sigma_s: float, clock_sigma_s: float = 0.0, speeds_part_sigma: float = 0.0
+) -> Position:
     """Return the place that a delay means, with its interval.
 
     First-order propagation (for one section ``σ² = (c·σ_t/2)² + (t·σ_c/2)² + (σ_d/2)²``); sections of one kind share
-    their error of speed. The ends of the interval go through the sections themselves.
+    their error of speed, and all share ``speeds_part_sigma``, a part of the speed. The ends of the interval go through
+    the sections themselves.
     """
     at_m = place_of_delay(pipe, delay_s)
     number, start_m = _section_at(pipe.sections, at_m)
     speeds = [section.speed() for section in pipe.sections]
     here = speeds[number][0]
     by_kind: dict[tuple[object, ...], float] = {}
-    length_variance = 0.0
+    length_variance, together = 0.0, 0.0
     for index, (section, (speed, sigma)) in enumerate(zip(pipe.sections, speeds, strict=True)):
         sign = (index < number) - (index > number)
         if index == number:
@@ -251,11 +254,12 @@ def locate(pipe: Pipe, delay_s: float, delay_sigma_s: float, clock_sigma_s: floa
             per_speed = sign * here * section.length_m / (2.0 * speed**2)
             per_length = 1.0 - here / (2.0 * speed) if index < number else here / (2.0 * speed)
         by_kind[section.kind] = by_kind.get(section.kind, 0.0) + per_speed * sigma
+        together += per_speed * speed * speeds_part_sigma
         length_variance += (per_length * section.length_sigma_m) ** 2
     shares = (
         Share("delay", 0.5 * here * delay_sigma_s),
         Share("clock", 0.5 * here * clock_sigma_s),
-        Share("speed", math.sqrt(sum(part**2 for part in by_kind.values()))),
+        Share("speed", math.sqrt(together**2 + sum(part**2 for part in by_kind.values()))),
         Share("length", math.sqrt(length_variance)),
     )
     sigma_m = math.sqrt(sum(share.sigma_m**2 for share in shares))

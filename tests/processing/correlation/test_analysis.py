@@ -51,6 +51,18 @@ def test_without_dispersion_in_the_model_the_same_leak_is_off(tmp_path):
     assert bent.phase.dispersion.slope == pytest.approx(0.06 / np.pi, abs=4 * bent.phase.slope_sigma + 0.003)
 
 
+def test_not_knowing_at_which_frequency_the_speed_holds_widens_the_interval(tmp_path):
+    """Told, the leak is found to centimetres; untold, it is half a metre off, and the interval says so."""
+    what = SimulatedPair(leak_m=12.0, snr_db=-5.0, loss=0.06, speeds_mps=(330.0,), rate_hz=2400)
+    pair, pipe = pair_on_disk(tmp_path, what), pipe_of(what)
+    reading = read(pair, pipe, silent())
+    told, untold = (analyse(reading, pipe, pair.sync, choice).position for choice in (KNOWN, Choice()))
+    assert abs(told.from_a_m - 12.0) < 0.2
+    assert abs(untold.from_a_m - 12.0) > 0.3
+    assert untold.low95_m <= 12.0 <= untold.high95_m
+    assert untold.high95_m - untold.low95_m > 2.0 * (told.high95_m - told.low95_m)
+
+
 def test_sections_of_two_kinds_are_passed_at_their_own_speeds(tmp_path):
     what = SimulatedPair((40.0, 60.0), (1200.0, 420.0), leak_m=68.0, snr_db=0.0, rate_hz=2400)
     result = run(tmp_path, what)

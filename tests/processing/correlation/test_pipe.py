@@ -116,6 +116,19 @@ def test_sections_of_one_kind_are_wrong_together():
     assert whole.sigma_m == pytest.approx(0.1 * 20.0 / 2.0)
 
 
+def test_an_error_that_all_speeds_share_is_that_of_the_whole_delay():
+    pipe = Pipe(
+        (
+            PipeSection(40.0, speed_mps=1200.0, speed_sigma_mps=0.0),
+            PipeSection(60.0, speed_mps=400.0, speed_sigma_mps=0.0),
+        )
+    )
+    wrong = Pipe(tuple(PipeSection(s.length_m, speed_mps=1.001 * s.speed_mps) for s in pipe.sections))
+    delay_s = delay_of_place(pipe, 70.0)
+    moved = abs(place_of_delay(wrong, delay_s) - 70.0)
+    assert locate(pipe, delay_s, 0.0, speeds_part_sigma=0.001).sigma_m == pytest.approx(moved, rel=0.01)
+
+
 @pytest.mark.parametrize(
     ("delay_s", "where"),
     [(0.0, Where.BETWEEN), (0.25, Where.AT_A), (-0.25, Where.AT_B), (0.2495, Where.AT_A), (0.4, Where.IMPOSSIBLE)],
