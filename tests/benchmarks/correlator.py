@@ -75,6 +75,34 @@ def one(what: SimulatedPair, rng: np.random.Generator, folder: Path) -> dict[str
     return rows
 
 
+def calibration(seeds: int, folder: Path) -> None:
+    """Print how often the delay's own interval holds, and the place's where the speed's frequency is not told."""
+    rng = np.random.default_rng(77)
+    print("| pipe | SNR dB | delay interval holds | frequency of speed unknown: median m | interval holds |")
+    print("|---|---|---|---|---|")
+    for title, setting in SETTINGS.items():
+        for snr_db in SNRS_DB:
+            held, errors, untold = [], [], []
+            for seed in range(1000, 1000 + seeds):
+                what = replace(setting, snr_db=snr_db, leak_m=float(rng.uniform(8.0, 92.0)), seed=seed, duration_s=30.0)
+                pair = opened(what, folder)
+                pipe = Pipe((PipeSection(100.0, speed_mps=what.speeds_mps[0], speed_sigma_mps=0.0),))
+                reading = read(pair, pipe, silent())
+                bend = DispersionChoice(sigma=0.03, reference_hz=what.reference_hz)
+                phase = analyse(reading, pipe, pair.sync, Choice(dispersion=bend)).phase
+                place = analyse(reading, pipe, pair.sync, Choice()).position
+                if phase is not None:
+                    low, high = phase.interval_s
+                    held.append(low <= (100.0 - 2.0 * what.leak_m) / what.speeds_mps[0] <= high)
+                if place is not None:
+                    errors.append(abs(place.from_a_m - what.leak_m))
+                    untold.append(place.low95_m <= what.leak_m <= place.high95_m)
+            print(
+                f"| {title} | {snr_db:.0f} | {np.mean(held):.2f} | {np.median(errors):.3f} | {np.mean(untold):.2f} |",
+                flush=True,
+            )
+
+
 def main() -> None:
     seeds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     rng = np.random.default_rng(5)
@@ -102,6 +130,7 @@ def main() -> None:
                         f"| {np.mean(errors <= 0.2):.2f} | {holds:.2f} |"
                     )
                 print(f"<!-- {time.perf_counter() - start:.0f} s -->", flush=True)
+        calibration(2 * seeds, Path(name))
 
 
 if __name__ == "__main__":
