@@ -12,7 +12,7 @@ from processing.survey import Candidate, Channel, FloatArray
 from widgets.curve_plot import Curve, CurvePlot, padded
 from widgets.envelope import EnvelopePyramid
 from widgets.plot_marks import Readout
-from widgets.plot_paint import paint_legend
+from widgets.plot_paint import legend_box, paint_legend
 from widgets.plot_scale import hertz_span
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
@@ -80,7 +80,11 @@ class LevelView(CurvePlot):
             (self._threshold, self.tr("threshold"), self._theme.curve_second),
             (self._background, self.tr("background"), self._theme.curve_third),
         )
-        paint_legend(painter, rect, self._theme, [(name, colour) for curve, name, colour in names if curve is not None])
+        known = [(name, colour) for curve, name, colour in names if curve is not None]
+        box, away = legend_box(rect, self._theme, known), 1.4 * self.mark_radius()
+        hidden = any(box.adjusted(-away, -away, away, away).contains(centre) for _, centre in self._mark_places)
+        below = rect.height() - box.height() - 8 if hidden else 0.0  # a mark would stand on the names
+        paint_legend(painter, rect, self._theme, known, below)
 
     def _level_name(self) -> str:
         """Return what the level is of."""

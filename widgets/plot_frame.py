@@ -226,15 +226,15 @@ class PlotFrame(QWidget):
 
     def _step(self, kept: _Kept) -> _Kept:
         """Use the turn: bring the items up to date, or paint them; both in one where that takes little."""
-        began, turns = time.thread_time(), self._cursor.turns
+        began, turns = time.perf_counter(), self._cursor.turns
         dear = turns.cost_ms(self) > SPLIT_MS
         if self._ready_span is None:
             self._prepare()
             if dear:
-                turns.took(self, 1e3 * (time.thread_time() - began), done=False)
+                turns.took(self, 1e3 * (time.perf_counter() - began), done=False)
                 return kept
         new = self._new_picture()
-        turns.took(self, 1e3 * (time.thread_time() - began), done=not self._stale)
+        turns.took(self, 1e3 * (time.perf_counter() - began), done=not self._stale)
         return new
 
     def _new_picture(self) -> _Kept:

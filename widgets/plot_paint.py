@@ -120,18 +120,27 @@ def edges_of(box: QRectF) -> Edges:
     return box.left(), box.top(), box.right(), box.bottom()
 
 
-def paint_legend(painter: QPainter, rect: QRectF, theme: Theme, entries: Sequence[tuple[str, str]]) -> None:
-    """Write names, each in its colour, side by side into the upper left corner of a plot."""
+def legend_box(rect: QRectF, theme: Theme, entries: Sequence[tuple[str, str]]) -> QRectF:
+    """Return where a legend stands in a plot: in its upper left corner."""
     metrics = theme.metrics()
     gap = metrics.horizontalAdvance("  ")
     width = sum(metrics.horizontalAdvance(name) + gap for name, _ in entries) + gap
-    if width > rect.width() or rect.height() < 2.5 * metrics.height():
+    return QRectF(rect.left() + 2, rect.top() + 2, width, metrics.height() + 2)
+
+
+def paint_legend(
+    painter: QPainter, rect: QRectF, theme: Theme, entries: Sequence[tuple[str, str]], below: float = 0.0
+) -> None:
+    """Write names, each in its colour, side by side into the upper left corner of a plot, or so much ``below`` it."""
+    metrics = theme.metrics()
+    gap, box = metrics.horizontalAdvance("  "), legend_box(rect, theme, entries).translated(0.0, below)
+    if box.width() > rect.width() or rect.height() < 2.5 * metrics.height():
         return
     ground = QColor(theme.canvas)
     ground.setAlpha(215)
-    painter.fillRect(QRectF(rect.left() + 2, rect.top() + 2, width, metrics.height() + 2), ground)
-    x = rect.left() + 2 + gap
+    painter.fillRect(box, ground)
+    x = box.left() + gap
     for name, colour in entries:
         painter.setPen(QColor(colour))
-        painter.drawText(QPointF(x, rect.top() + 2 + metrics.ascent()), name)
+        painter.drawText(QPointF(x, box.top() + metrics.ascent()), name)
         x += metrics.horizontalAdvance(name) + gap

@@ -126,9 +126,9 @@ def mean_levels(
 
     What is 0, "nothing there", does not count; a span of nothing is 0.
     """
-    power = np.asarray(10.0 ** (0.1 * step_db * np.arange(256)), np.float64)
+    power = np.asarray(10.0 ** (0.1 * step_db * np.arange(256)), np.float32)
     power[0] = 0.0
-    there = np.ones(256, np.float64)
+    there = np.ones(256, np.float32)
     there[0] = 0.0
     total, count = (_summed(table[levels], starts, ends, axis) for table in (power, there))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -137,9 +137,9 @@ def mean_levels(
 
 
 def _summed(
-    values: npt.NDArray[np.float64], starts: npt.NDArray[np.intp], ends: npt.NDArray[np.intp], axis: int
-) -> npt.NDArray[np.float64]:
-    """Return the sums over spans along an axis, by the differences of reduceat: no rounding of far sums gets in."""
+    values: npt.NDArray[np.float32], starts: npt.NDArray[np.intp], ends: npt.NDArray[np.intp], axis: int
+) -> npt.NDArray[np.float32]:
+    """Return the sums over spans along an axis."""
     room = [(0, 0), (0, 0)]
     room[axis] = (0, 1)  # so that every end is a valid mark; never inside a span
     closed = np.pad(values, room)
