@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Signal
 from app.correlator_page import CorrelatorPage
 from app.jobs import Jobs
 from processing import messages
-from processing.correlation.events import offset_of_event
+from processing.correlation.events import offset_of_event, sync_of_events
 from processing.correlation.pipe import Pipe
 from processing.correlation.recordings import Pair, Sync, SyncKind
 from processing.correlation.speed import Tap, speed_of_both_ends, speed_of_tap
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from processing.correlation.speed import MeasuredSpeed
 
 BEYOND_M = 1.0  # how far beyond a sensor was tapped does not matter
+APART_S = 20.0  # knocks nearer to each other in time tell nothing of a drift: the later ones replace the earlier
 
 
 class CorrelatorMeasuring(QObject):
@@ -44,6 +45,8 @@ class CorrelatorMeasuring(QObject):
         self._pair, self._result = pair, result
         self._taps: dict[str, Tap] = {}
         self._tapped_s = 0.0  # seconds of A
+        self._events: tuple[EventOffset, ...] = ()
+        self._events_of: object = None
         page.taps.tap_asked.connect(self.measure_speed)
         page.clock.event_asked.connect(self.find_event)
 
@@ -102,10 +105,12 @@ class CorrelatorMeasuring(QObject):
         bare = Pair(pair.a, pair.b)
 
         def done(found: "EventOffset") -> None:
-            sync = Sync(
-                SyncKind.EVENT, found.offset_s, found.sigma_s, self._page.clock.sync().drift_ppm, found.moment_s
-            )
-            self._page.clock.set_sync(sync)
+            # knocks before and after tell the drift too; those of other recordings tell nothing
+            files = (pair.a.parts, pair.b.parts)
+            known = self._events if files == self._events_of else ()
+            apart = tuple(event for event in known if abs(event.moment_s - found.moment_s) > APART_S)
+            self._events, self._events_of = (*apart, found), files
+            self._page.clock.set_sync(sync_of_events(self._events))
             self._page.stretch.set_stretch(0.0, None)
             self.clock_measured.emit()
 

@@ -1,6 +1,6 @@
 """Which recordings, how their clocks relate, which stretch: the left half of the correlator's page."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
@@ -243,8 +243,3 @@ class TapBox(QGroupBox):
     def say(self, text: str) -> None:
         """Tell what came out."""
         self._said.setText(text)
-
-
-def with_channel(shown: ShownRecording, channel: int) -> ShownRecording:
-    """Return the same recording with another channel."""
-    return replace(shown, channel=min(max(channel, 0), shown.channels - 1))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from processing.correlation.correlogram import Dispersion, Peak, correlate, peaks
-from processing.correlation.spectra import OVERLAP_COST, ComplexArray, CrossSpectra
+from processing.correlation.spectra import OVERLAP_COST, CrossSpectra
 from processing.survey import BoolArray, FloatArray
 
 _SIGNIFICANT = 3.0
@@ -81,7 +81,7 @@ def delays_of_parts(
 ) -> PartDelays:
     """Return what each of up to twelve parts says of a peak of the whole."""
     rows: list[tuple[float, float, float, float, bool]] = []
-    reach_s = max(2.0 * peak.half_width_s, 3.0 * _sigma_of_peak(spectra, spectra.s_ab, weight))
+    reach_s = max(2.0 * peak.half_width_s, 3.0 * _sigma_of_peak(spectra, weight))
     for part in grouped(spectra):
         gram = correlate(part, part.s_ab, weight, longest_s, dispersion)
         near = np.abs(gram.delay_s - peak.delay_s) <= reach_s
@@ -94,20 +94,19 @@ def delays_of_parts(
         shift = min(max(0.5 * (left - right) / curve, -1.0), 1.0) if curve < 0.0 else 0.0
         present = height > _SIGNIFICANT * gram.chance
         moment = float(np.average(part.part_s, weights=part.used))
-        sigma = _sigma_of_peak(part, part.s_ab, weight)
+        sigma = _sigma_of_peak(part, weight)
         rows.append((moment, float(gram.delay_s[at]) + shift * gram.step_s, sigma, height, present))
     time_s, delay_s, sigma_s, height_of, present_in = (np.array(column) for column in zip(*rows, strict=True))
     return PartDelays(time_s, delay_s, sigma_s, height_of, present_in.astype(bool))
 
 
-def _sigma_of_peak(spectra: CrossSpectra, cross: ComplexArray, weight: FloatArray) -> float:
+def _sigma_of_peak(spectra: CrossSpectra, weight: FloatArray) -> float:
     """Return the sigma of the delay of a weighted correlation's peak (first order): noise slope over curvature."""
     omega = 2.0 * np.pi * spectra.frequency_hz
     power = spectra.smooth_aa * spectra.smooth_bb
     coherent = np.sqrt(np.clip(spectra.true_coherence, 0.0, 0.98) * power)
     curvature = float(np.sum(weight * coherent * omega**2))
     noise = 0.5 * OVERLAP_COST / max(spectra.total, 1.0) * float(np.sum((weight * omega) ** 2 * power))
-    del cross
     return math.sqrt(noise) / curvature if curvature > 0.0 else math.inf
 
 

@@ -296,6 +296,31 @@ def test_taps_beyond_both_ends_measure_speed_and_clock(bench, tmp_path):
     assert sync.offset_s == pytest.approx(0.5, abs=2e-4)
 
 
+def test_knocks_before_and_after_tell_offset_and_drift(bench, tmp_path):
+    """B began 1.5 s late and runs 200 ppm fast."""
+    rng = np.random.default_rng(6)
+    times = (2.0, 2.7, 4.4, 5.1, 7.3, 61.0, 62.3, 62.9, 64.8, 66.0)
+    sounds = []
+    for start, fast in ((0.0, 0.0), (1.5, 200e-6)):
+        moments = start + np.arange(70 * RATE) / RATE / (1.0 + fast)
+        sound = 0.002 * rng.standard_normal(len(moments))
+        for at in times:
+            after = np.clip(moments - at, 0.0, None)
+            sound += np.where(moments >= at, 0.4 * np.exp(-150.0 * after) * np.sin(2 * np.pi * 500.0 * after), 0.0)
+        sounds.append(sound)
+    for name, sound in zip(("a.wav", "b.wav"), sounds, strict=True):
+        write_wave(tmp_path / name, sound, RATE)
+    bench.load(tmp_path / "a.wav", tmp_path / "b.wav")
+    for first, last in ((1.0, 9.0), (60.0, 68.0)):
+        bench.page.stretch.set_stretch(first, last)
+        bench.control.measuring.find_event()
+        bench.wait()
+    sync = bench.page.clock.sync()
+    assert sync.kind is SyncKind.EVENT
+    assert sync.offset_s == pytest.approx(1.5, abs=1e-3)
+    assert sync.drift_ppm == pytest.approx(200.0, abs=15.0)
+
+
 # --- listening ---
 
 
