@@ -165,6 +165,8 @@ class LineRemover:
         """Return the weight (top,) with which each bin belongs to a line, 0 … 1."""
         power = spectrum.power
         gains = np.zeros(len(power), np.float32)
+        if not len(self._lines.orders):
+            return gains
         scale = _scale_of(self._lines, spectrum.turns, over_noise(spectrum))
         places = self._lines.orders * (scale * spectrum.turns)
         places = places[(places > -_SIDE[0]) & (places < len(power) - _SIDE[-1] - 1)]

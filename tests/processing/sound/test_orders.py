@@ -44,7 +44,9 @@ def test_lines_are_found_and_gone_and_the_leak_stays_although_the_gyro_s_scale_i
 
 def test_of_a_leak_alone_nothing_is_taken():
     assert not len(learn_lines(windows_of(LEAK)).orders)
-    assert not LineRemover(windows_of(LEAK), NO_LINES).read(1000, 500).any()
+    none = LineRemover(windows_of(LEAK), NO_LINES)
+    assert not none.read(1000, 500).any()
+    assert not none.gains(windows_of(LEAK).spectrum(2)).any()
     # nor where lines are expected that do not sound
     silent = LineRemover(windows_of(LEAK), RollingLines(np.array(ORDERS, float), np.full(len(ORDERS), 20.0)))
     assert level_db(silent.read(0, COUNT)) < level_db(LEAK) - 20
