@@ -46,6 +46,15 @@ def high_passed(x, rate_hz, cut_hz=CUT_HZ):
     return signal.sosfiltfilt(signal.butter(4, cut_hz, "high", fs=rate_hz, output="sos"), x)
 
 
+def limited(x, rate_hz, over_db=3.0):
+    """Return ``x`` with its knocks and surges held down to ``over_db`` above the median over 64 ms."""
+    frame = int(0.064 * rate_hz)
+    level = np.sqrt(np.mean(x[: len(x) // frame * frame].reshape(-1, frame) ** 2, axis=1))
+    gain = np.minimum(1.0, np.median(level) * 10 ** (over_db / 20) / np.maximum(level, 1e-12))
+    middles = (np.arange(len(level)) + 0.5) * frame
+    return x * np.interp(np.arange(len(x)), middles, gain)
+
+
 def lasting(x, count, rate_hz, rng):
     """Return ``count`` samples of the recording ``x`` without a period: pieces of it, faded with constant power."""
     piece, fade = int(_PIECE_S * rate_hz), int(_FADE_S * rate_hz)
