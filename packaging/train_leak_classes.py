@@ -39,7 +39,7 @@ NAMING = 0.15
 # borders of the bins: round figures that part what differs, never finer than the figure repeats from place to place
 EDGES = {
     "rumble_db": [-6.0, -3.0, -1.0, 1.0, 3.0],
-    "flutter": [-0.3, 0.0, 0.3, 0.6, 0.9],
+    "flutter": [-0.1, 0.1, 0.25, 0.4, 0.7, 1.0],
     "impulsive_share": [0.1, 0.25, 0.5],
     "knock": [1.0, 4.5],
     "joint_m": [0.3, 0.8],

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from processing.sound.cells import impulses
 from processing.sound.ground import Ground, nearest, tone_span_s
@@ -38,7 +37,6 @@ _REACH_M, _REACH_S = 24.0, 60.0  # of the background
 _CELL_M, _CELL_S = 0.5, 1.0
 _LOW_HZ = 300.0  # bends, valves and traffic rumble below (acoustics §5.1)
 _FINE_HZ = 1000.0  # bands above it have levels of 64 ms, quick enough for a gurgle of 2 to 9 Hz
-_TREND_FRAMES = 9  # 0.6 s: slower swells are the ball's turning
 _KNOCK_S = 0.15
 _KNOCK_REACH = 0.6  # m or s
 _TURN_REACH_M = 1.5
@@ -186,16 +184,31 @@ def _weighed(patch: Patch, excess_db: FloatArray, wanted: BoolArray) -> FloatArr
 
 
 def _flutter(patch: Patch, near: BoolArray, excess_db: FloatArray, hz: FloatArray) -> float:
-    """How much more the level wavers at 2 to 8 Hz at the place than around it: ln of the ratio of the scatters."""
+    """How much more the level wavers at 2 to 8 Hz at the place than around it: ln of the ratio of the scatters.
+
+    Of second differences from frame to frame: the ball's turning is slower and all but drops out of them.
+    """
     quick = hz >= _FINE_HZ
     quick[-1] = False
     away = patch.moving & ~near
     if not quick.any() or np.count_nonzero(near) < 2 * _LEAST_FRAMES or np.count_nonzero(away) < 4 * _LEAST_FRAMES:
         return float("nan")
     level = np.log(_weighed(patch, excess_db, quick))
-    rest = level - ndimage.uniform_filter1d(level, _TREND_FRAMES, mode="nearest")
-    inner, outer = (float(np.median(np.abs(rest[part]))) for part in (near, away))
-    return float(np.log(max(inner, 1e-6) / max(outer, 1e-6)))
+    bend = np.full(len(level), np.nan)
+    bend[1:-1] = level[2:] - 2 * level[1:-1] + level[:-2]
+    gap = np.diff(patch.rows, prepend=-2) != 1  # neighbours in the patch that are none in time
+    bend[gap] = np.nan
+    bend[:-1][gap[1:]] = np.nan
+    inner, outer = bend[near & np.isfinite(bend)], bend[away & np.isfinite(bend)]
+    if len(inner) < _LEAST_FRAMES or len(outer) < _LEAST_FRAMES:
+        return float("nan")
+    return 0.5 * float(np.log(max(_robust_power(inner), 1e-9) / max(_robust_power(outer), 1e-9)))
+
+
+def _robust_power(values: FloatArray) -> float:
+    """Return the mean square, values beyond four medians pulled in: a blow is no gurgle."""
+    size = np.abs(values)
+    return float(np.mean(np.minimum(size, 4 * np.median(size)) ** 2))
 
 
 def _knock(ground: Ground, patch: Patch, level: FloatArray) -> float:

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from sound_runs import Leak, drift
 
@@ -75,6 +75,7 @@ def test_a_leak_passed_twice_as_fast_stands_out_by_nine_decibels_less():
     assert carried.level_db == 12.0
 
 
+@settings(max_examples=40, deadline=None)
 @given(over=st.floats(4, 30), louder=st.floats(-20, 20), flow=st.floats(0.5, 500), background=st.floats(-20, 20))
 def test_ten_decibels_are_ten_times_the_flow_whatever_the_noise_at_either_place(over, louder, flow, background):
     known = CalibrationLeak(20.0, flow, 3.0)
