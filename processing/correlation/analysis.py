@@ -16,6 +16,7 @@ from processing.correlation.correlogram import (
     Peak,
     Suppressed,
     correlate,
+    judged,
     peaks,
     without,
 )
@@ -36,6 +37,7 @@ _MOST_DISPERSION = 0.03
 _UNKNOWN_REACH_S = 0.5
 _SYNC_FLOOR_S = 2e-5  # sensors, cables and converters are not alike to better than that
 _CRYSTAL_PPM = 15.0  # 1 sigma of a recorder's clock that nobody compared
+_CARRIES = 0.3  # e-folds of frequency over which a slope that was found still holds
 _AMBIGUOUS = 2.5
 _DEFAULT_BAND = Band(20.0, 2000.0)
 
@@ -180,13 +182,13 @@ def analyse(reading: Reading, pipe: Pipe, sync: Sync, choice: Choice) -> Correla
             tops = peaks(gram)
             chosen = _chosen(tops, phase.delay_s) or chosen
         parts = delays_of_parts(spectra, weight, chosen, longest_s, dispersion)
+    if chosen is not None and choice.weighting is Weighting.MAXIMUM_LIKELIHOOD:
+        honest = correlate(spectra, cross, weights(spectra, Weighting.SCOT, band), longest_s, dispersion)
+        judged_peak = judged(chosen, honest)
+        tops, chosen = tuple(judged_peak if peak is chosen else peak for peak in tops), judged_peak
     delay_s, sigma_s = _delay(chosen, phase, parts)
     significant = chosen is not None and chosen.probability < _SIGNIFICANT
-    # where nobody said at which frequency the speed holds, it may be an e-fold away, whether or not the slope shows
-    bend = choice.dispersion
-    speeds_part = 0.0
-    if phase is not None and bend.reference_hz is None and (bend.sigma > 0.0 or bend.slope != 0.0):
-        speeds_part = math.hypot(phase.dispersion.slope, min(phase.slope_sigma, bend.sigma))
+    speeds_part = _speeds_part(phase, choice.dispersion) if phase is not None else 0.0
     clock_s = _clock_sigma_s(reading, sync)
     position = locate(pipe, delay_s, sigma_s, clock_s, speeds_part) if significant and sync.known else None
     result = Correlation(
@@ -206,6 +208,21 @@ def _clock_sigma_s(reading: Reading, sync: Sync) -> float:
     if drift is not None:
         ppm = drift.sigma_ppm if drift.significant else min(math.hypot(drift.ppm, drift.sigma_ppm), _CRYSTAL_PPM)
     return math.sqrt(sync.sigma_s**2 + _SYNC_FLOOR_S**2 + (1e-6 * ppm * since_s) ** 2)
+
+
+def _speeds_part(phase: PhaseLine, bend: DispersionChoice) -> float:
+    """Return how uncertain all speeds are, as a part of them, since they hold at another frequency than what was heard.
+
+    Where nobody said at which frequency they hold, that may be an e-fold away, whether or not the slope shows. Where it
+    is known but lies far outside of what was heard, the slope found there does not carry so far: whole turns of the
+    phase may be missing.
+    """
+    if bend.reference_hz is None:
+        bent = bend.sigma > 0.0 or bend.slope != 0.0
+        return math.hypot(phase.dispersion.slope, min(phase.slope_sigma, bend.sigma)) if bent else 0.0
+    low_hz, high_hz = float(phase.frequency_hz[0]), float(phase.frequency_hz[-1])
+    away = max(math.log(low_hz / bend.reference_hz), math.log(bend.reference_hz / high_hz))
+    return bend.sigma * max(0.0, away - _CARRIES)
 
 
 def _usual_band(spectra: CrossSpectra) -> Band:

@@ -7,7 +7,7 @@ peak back together, at the delay that belongs to c₀.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import fft, signal
@@ -115,6 +115,21 @@ def correlate(
     # each line's real part has variance S_aa·S_bb/(2n); overlapping windows make neighbours alike
     chance = spread * math.sqrt(0.5 * OVERLAP_COST / max(spectra.total, 1.0))
     return Correlogram(delay_s, analytic.real, np.abs(analytic), chance)
+
+
+def judged(peak: Peak, correlogram: Correlogram) -> Peak:
+    """Return a peak with the significance that another correlogram gives it at its place, if that is less.
+
+    Weights made of the coherence of these very recordings favour lines in which chance was high: of 40 unrelated pairs
+    six had a peak of p < 0.01 by maximum likelihood, none by SCOT, whose weights know nothing of the common sound.
+    """
+    near = np.abs(correlogram.delay_s - peak.delay_s) <= max(peak.half_width_s, correlogram.step_s)
+    height = float(np.abs(correlogram.value[near]).max(initial=0.0))
+    sigmas = height / correlogram.chance if correlogram.chance > 0.0 else 0.0
+    probability = -math.expm1(-_zero_crossings(correlogram) * math.exp(-0.5 * sigmas**2))
+    if probability <= peak.probability:
+        return peak
+    return replace(peak, sigmas=sigmas, probability=probability)
 
 
 def _fine_transform(

@@ -63,6 +63,22 @@ def test_not_knowing_at_which_frequency_the_speed_holds_widens_the_interval(tmp_
     assert untold.high95_m - untold.low95_m > 2.0 * (told.high95_m - told.low95_m)
 
 
+def test_a_speed_that_holds_far_below_what_was_heard_widens_the_interval(tmp_path):
+    """Only 2 to 3 kHz are heard, the speed is that of 300 Hz: the fitted slope does not carry that far."""
+    what = SimulatedPair(
+        leak_m=25.0, snr_db=5.0, loss=0.002, speeds_mps=(1200.0,), rate_hz=8000, source_hz=(100.0, 3000.0),
+        noise_top_hz=3500.0, reference_hz=300.0, duration_s=12.0,
+    )  # fmt: skip
+    pair, pipe = pair_on_disk(tmp_path, what), pipe_of(what)
+    reading, bend = read(pair, pipe, silent()), DispersionChoice(sigma=0.03, reference_hz=300.0)
+    low = analyse(reading, pipe, pair.sync, Choice(band=Band(150.0, 900.0), dispersion=bend)).position
+    high = analyse(reading, pipe, pair.sync, Choice(band=Band(2000.0, 3000.0), dispersion=bend)).position
+    assert low.from_a_m == pytest.approx(25.0, abs=0.1)
+    assert low.high95_m - low.low95_m < 0.3
+    assert high.low95_m <= 25.0 <= high.high95_m
+    assert high.high95_m - high.low95_m > 2.0
+
+
 def test_sections_of_two_kinds_are_passed_at_their_own_speeds(tmp_path):
     what = SimulatedPair((40.0, 60.0), (1200.0, 420.0), leak_m=68.0, snr_db=0.0, rate_hz=2400)
     result = run(tmp_path, what)
@@ -134,6 +150,18 @@ def test_unrelated_recordings_give_no_place(tmp_path):
     result = analyse(read(pair, pipe, silent()), pipe, pair.sync, KNOWN)
     assert result.position is None
     assert {"correlation_no_band", "correlation_nothing"} <= codes(result)
+
+
+def test_unrelated_recordings_hardly_ever_give_a_place(tmp_path):
+    """The weights of maximum likelihood are made of the sound itself and must not make chance look like a leak."""
+    found = 0
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        sounds = [source_of(tmp_path / f"{n}.wav", 0.1 * rng.standard_normal(24_000), 2000) for n in "ab"]
+        pair, pipe = Pair(*sounds), pipe_of(SimulatedPair())
+        choice = Choice(band=Band(30.0, 800.0), dispersion=KNOWN.dispersion)
+        found += analyse(read(pair, pipe, silent()), pipe, pair.sync, choice).position is not None
+    assert found <= 1
 
 
 def test_the_same_recording_twice_is_noticed(tmp_path):
