@@ -13,6 +13,7 @@ from processing.settings import DetectorSettings
 from processing.sound.cells import CELL_M, Cells, Frames, band_log_power, cells_of, frames_of
 from processing.sound.envelope import find_by_envelope
 from processing.sound.judging import Judging
+from processing.sound.layers import find_in_layers
 from processing.sound.level_along import LevelAlong, level_along
 from processing.sound.loud import find_in_metres_or_loud
 from processing.sound.metres import find_in_metres
@@ -41,6 +42,7 @@ DETECTORS: Mapping[str, Callable[[Listening], list[Spot]]] = {
     "envelope": find_by_envelope,
     "metres": find_in_metres,
     "metres_or_loud": find_in_metres_or_loud,
+    "layers": find_in_layers,
     "kurtosis_band": find_by_kurtosis_band,
     "wavelet_band": find_by_wavelet_band,
     "spectrum": find_by_spectrum,
@@ -151,7 +153,7 @@ def _method(
     if wanted != "auto":
         return wanted, ()
     if length_m >= settings.metres_from_m:
-        return "metres" if length_m > settings.metres_alone_from_m else "metres_or_loud", (
+        return "layers" if length_m > settings.metres_alone_from_m else "metres_or_loud", (
             Finding("detector_metres", Severity.INFO, params),
         )
     return "envelope", (Finding("detector_envelope", Severity.INFO, params),)

@@ -43,6 +43,7 @@ class Cells:
     heard: BoolArray  # (n,)
     log_power: FloatArray  # (n, b + 1), the last band is the chosen one
     removed_share: npt.NDArray[np.float32]  # (n, b + 1) of the energy that the impulse gate took out
+    frames: FloatArray  # (n,) how many level frames a cell was heard in
 
 
 def frames_of(
@@ -87,7 +88,8 @@ def cells_of(scan: SoundScan, frames: Frames, rolling: RollingNoise | None = Non
 
     A cell holds the mean power of the frames within half a metre, weighted to its middle: one turn of a usual ball, so
     that most of the rotation's modulation averages out. Where the ``rolling`` noise m of each frame is known, frames
-    weigh 1/m²: the best an energy detector can do in noise of that power.
+    weigh 1/m², the best an energy detector can do in noise of that power, and the sum is held against what noise
+    alone gives, Σ m/m²: else the level would jump wherever the modulation, or what is known of it, changes.
     """
     keep = frames.counts
     if np.count_nonzero(keep) < 2:
@@ -104,10 +106,11 @@ def cells_of(scan: SoundScan, frames: Frames, rolling: RollingNoise | None = Non
         power = np.exp(logarithm)
         lift = rolling.modulation(logarithm, keep) if rolling is not None else np.ones(len(power), np.float32)
         good = keep & ~impulses(logarithm - np.log(lift), keep)
-        weight = 1.0 / np.square(lift.astype(np.float64))
+        lifted = lift.astype(np.float64)
+        weight = 1.0 / np.square(lifted)
         total = _spread(np.bincount(cell[keep], (weight * power)[keep], count).astype(np.float64))
         kept = _spread(np.bincount(cell[good], (weight * power)[good], count).astype(np.float64))
-        number = _spread(np.bincount(cell[good], weight[good], count).astype(np.float64))
+        number = _spread(np.bincount(cell[good], (weight * lifted)[good], count).astype(np.float64))
         known = (number > 0) & (kept > 0)
         if not known.any():
             log_power[:, band], removed[:, band] = np.nan, 0.0
@@ -123,6 +126,7 @@ def cells_of(scan: SoundScan, frames: Frames, rolling: RollingNoise | None = Non
         heard=heard,
         log_power=log_power,
         removed_share=removed,
+        frames=_spread(np.bincount(cell[keep], minlength=count).astype(np.float64)),
     )
 
 
