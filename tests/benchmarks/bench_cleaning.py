@@ -131,6 +131,8 @@ def leak_of(kind, count, rate, rng):
         data, own_rate = soundfile.read(kind, always_2d=True)
         sound = signal.resample_poly(data[:, 0], rate, own_rate) if own_rate != rate else data[:, 0]
         sound = np.tile(sound, -(-count // len(sound)))[:count]
+        # what these recordings hold below the leak band is their tank and mains, and would hide any line
+        sound = signal.sosfilt(signal.butter(6, 500, "highpass", fs=rate, output="sos"), sound)
     return (sound / np.sqrt(band_power(sound, rate))).astype(np.float32)
 
 
