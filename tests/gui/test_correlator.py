@@ -140,9 +140,10 @@ def test_a_click_on_another_peak_or_an_arrow_chooses_it(loaded):
     other = min(plot.shown.peaks, key=lambda peak: abs(peak.delay_s + 0.15))
     loaded.qtbot.mouseClick(plot, Qt.MouseButton.LeftButton, pos=plot.pixel_of_peak(other).toPoint())
     assert loaded.wait().position.from_a_m == pytest.approx(DRAW_OFF_M, abs=1.0)
-    for _ in range(6):
+    for _ in range(6):  # past peaks that chance made, which give no place
         loaded.qtbot.keyClick(plot, Qt.Key.Key_Left)
-        if abs(loaded.wait().position.from_a_m - LEAK_M) < 0.5:
+        position = loaded.wait().position
+        if position is not None and abs(position.from_a_m - LEAK_M) < 0.5:
             break
     assert loaded.control.result.position.from_a_m == pytest.approx(LEAK_M, abs=0.5)
 
