@@ -153,7 +153,7 @@ def _method(
     if wanted != "auto":
         return wanted, ()
     if length_m >= settings.metres_from_m:
-        return "layers" if length_m > settings.metres_alone_from_m else "metres_or_loud", (
+        return "metres" if length_m > settings.metres_alone_from_m else "metres_or_loud", (
             Finding("detector_metres", Severity.INFO, params),
         )
     return "envelope", (Finding("detector_envelope", Severity.INFO, params),)
