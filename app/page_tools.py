@@ -3,12 +3,15 @@
 from collections.abc import Collection, Sequence
 from typing import Protocol, runtime_checkable
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QSize, Qt, Signal
 from PySide6.QtWidgets import QStackedWidget, QTabBar, QVBoxLayout, QWidget
 
 from widgets.plot_theme import Theme
 
 FIRST = ""
+_BESIDE_NAME = 24  # pixels of a tab that are not its name
+_LEAST_TAB = 40
+_SHORT_NAME = 50  # pixels: it is not cut
 
 
 @runtime_checkable
@@ -18,6 +21,31 @@ class Themed(Protocol):
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""
         ...
+
+
+class _NarrowTabs(QTabBar):
+    """Tabs that share what room there is: scroll buttons beside them are nothing for a glove."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setUsesScrollButtons(False)
+        self.setElideMode(Qt.TextElideMode.ElideRight)
+
+    def tabSizeHint(self, index: int) -> QSize:
+        """Qt: the name with little beside it."""
+        size = super().tabSizeHint(index)
+        text = self.fontMetrics().horizontalAdvance(self.tabText(index))
+        return QSize(min(size.width(), text + _BESIDE_NAME), size.height())
+
+    def minimumTabSizeHint(self, index: int) -> QSize:
+        """Qt: the least, with a long name cut."""
+        text = self.fontMetrics().horizontalAdvance(self.tabText(index))
+        least = text if text <= _SHORT_NAME else max(_SHORT_NAME, round(0.6 * text))
+        return QSize(least + _BESIDE_NAME, super().minimumTabSizeHint(index).height())
+
+    def minimumSizeHint(self) -> QSize:
+        """Qt: as wide as the tabs are when cut."""
+        return QSize(_LEAST_TAB * self.count(), super().minimumSizeHint().height())
 
 
 class TabTools(QWidget):
@@ -32,11 +60,10 @@ class TabTools(QWidget):
         self._pages: list[Collection[str]] = [()]
         self._page = ""
         self._left: dict[str, int] = {}  # the tab that was in front when a page was left
-        self._tabs = QTabBar()
+        self._tabs = _NarrowTabs()
         self._tabs.setObjectName(name)
         self._tabs.setExpanding(True)
         self._tabs.setDrawBase(False)
-        self._tabs.setUsesScrollButtons(True)
         self._tabs.setMinimumHeight(40)
         self._tabs.addTab(title)
         self._tabs.setAccessibleName(title)
@@ -55,12 +82,15 @@ class TabTools(QWidget):
         self._names.append(name)
         self._pages.append(pages)
         self._stack.addWidget(tool)
-        self._tabs.setTabVisible(self._tabs.addTab(title), self._page in pages)
+        row = self._tabs.addTab(title)
+        self._tabs.setTabToolTip(row, title)
+        self._tabs.setTabVisible(row, self._page in pages)
         self._show()
 
     def set_title(self, name: str, title: str) -> None:
         """Change what a tab says."""
         self._tabs.setTabText(self._names.index(name), title)
+        self._tabs.setTabToolTip(self._names.index(name), title)
 
     def set_page(self, page: str) -> None:
         """Show the tabs of this page, with the one in front that was there when the page was left."""

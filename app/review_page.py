@@ -111,10 +111,10 @@ class ReviewPage(QWidget):
         self.tools.add_tool("methods", self.tr("Methods"), self.methods)
         self.tools.add_tool("quality", self.tr("Quality"), self.quality)
         self.tools.add_tool("why", self.tr("Why"), self.why, pages=("leaks", "sound"))
-        self.tools.add_tool("clock", self.tr("Clocks"), self.clock, pages=("sound",))
-        self.tools.add_tool("channels", self.tr("Channels"), self.channels, pages=("sound",))
         self.tools.add_tool("spectrum", self.tr("Spectrum"), self.spectrum, pages=("sound",))
         self.tools.add_tool("bands", self.tr("Band"), self.bands, pages=("sound",))
+        self.tools.add_tool("channels", self.tr("Channels"), self.channels, pages=("sound",))
+        self.tools.add_tool("clock", self.tr("Clocks"), self.clock, pages=("sound",))
         self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, beside, self._side)
         foot = QHBoxLayout()
         foot.addWidget(self.playback, 1)
@@ -145,7 +145,7 @@ class ReviewPage(QWidget):
         self.level.set_x_axis_visible(leaks)
         self.imu.set_x_axis_visible(True)
         width, height = max(self.width(), 1000), max(self.height(), 500)
-        shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.66, 0.34), "leaks": (0.23, 0.47, 0.30)}[arrangement]
+        shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.64, 0.36), "leaks": (0.23, 0.47, 0.30)}[arrangement]
         self._columns.setSizes([round(width * s) for s in shares])
         strips = {"path": (0.15, 0.0, 0.3, 0.55), "sound": (0.08, 0.46, 0.19, 0.27), "leaks": (0.12, 0.53, 0.35, 0.0)}
         self._strips.setSizes([round(height * s) for s in strips[arrangement]])

@@ -67,7 +67,8 @@ class HelpWindow(QDialog):
         saved = self.tr("Everything is saved at once. You may close the laptop at any moment.")
         fixed = self.tr(
             "Two fixed sensors either side of a leak: Ctrl+K opens the correlator. Drop both recordings on it, say "
-            "what pipe lies between them, and read the leak's place; tap on the pipe beyond a sensor to measure the speed."
+            "what pipe lies between them, and read the leak's place; tap on the pipe beyond a sensor to measure the "
+            "speed."
         )
         return (
             f"<h2>{escape(self.tr('From folder to report'))}</h2><ol>{items}</ol><p>{escape(saved)}</p>"

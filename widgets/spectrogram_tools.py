@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import Qt, Signal, SignalInstance
-from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtCore import QEvent, QSize, Qt, QTimer, Signal, SignalInstance
+from PySide6.QtGui import QAction, QActionGroup, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QSpinBox, QToolButton, QWidget
 
 from widgets.color_maps import COLOR_MAPS
@@ -70,9 +70,41 @@ class SpectrogramTools(QWidget):
         for widget in (self._plane, self._more, self._contrast, self._select):
             layout.addWidget(widget)
         layout.addStretch(1)
-        edges: tuple[QWidget, ...] = (QLabel(self.tr("Leak band")), self._low, QLabel("–"), self._high, self._reset)
+        name = QLabel(self.tr("Leak band"))
+        edges: tuple[QWidget, ...] = (name, self._low, QLabel("–"), self._high, self._reset)
         for part in edges:
             layout.addWidget(part)
+        # in the sun's bold letters the row is wider than a field laptop: what has another way makes room
+        self._sparing = (name, self._contrast, self._reset)
+        layout.setSizeConstraint(QHBoxLayout.SizeConstraint.SetNoConstraint)
+
+    def minimumSizeHint(self) -> QSize:
+        """Qt: the row without what it can spare."""
+        spared = sum(w.sizeHint().width() + 4 for w in self._sparing if not w.isHidden())
+        size = super().minimumSizeHint()
+        return QSize(size.width() - spared, size.height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: show what fits."""
+        super().resizeEvent(event)
+        self._make_room()
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Qt: another theme has wider letters."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            QTimer.singleShot(0, self, self._make_room)
+
+    def _make_room(self) -> None:
+        layout = self.layout()
+        if layout is None:
+            return
+        for widget in self._sparing:
+            widget.show()
+        for widget in self._sparing:
+            if layout.minimumSize().width() <= self.width():
+                return
+            widget.hide()
 
     def _build_menu(self) -> QMenu:
         menu = QMenu(self)
