@@ -23,6 +23,7 @@ from processing.importing.survey_toml import read_survey_toml, write_survey_toml
 from processing.settings import SoundSettings, digest
 from processing.simulation.leak_trials import leaky_main, other_main
 from processing.simulation.run import simulate
+from processing.simulation.scenario import Scraping
 from processing.simulation.sound import sound_blocks
 from processing.simulation.wander import gauss_markov
 from processing.sound.scan import VERSION as SCAN_VERSION
@@ -30,7 +31,12 @@ from processing.sound.scan import SoundScan, scan
 from processing.sound.source import open_audio
 from processing.survey import ClockMap, ImuSamples, LeakClass, ProcessingChoice, Survey, Track
 
-SETTINGS = {"usual": leaky_main, "other": other_main, "quiet": lambda seed: without_leaks(leaky_main(seed))}
+SETTINGS = {
+    "usual": leaky_main,
+    "other": other_main,
+    "unscraped": lambda seed: without_scraping(other_main(seed)),  # tells what scraping does from what the rest does
+    "quiet": lambda seed: without_leaks(leaky_main(seed)),
+}
 PATH_SIGMA_M, PATH_WANDER_M, CLOCK_SIGMA_S = 0.25, 60.0, 0.003
 _TRACK_HZ = 20.0
 _VERSION = 1  # of what is kept
@@ -100,6 +106,11 @@ def without_leaks(scenario):
     """Return the same main with its false sources only."""
     local = tuple(x for x in scenario.sound.local if x.kind is not LeakClass.LEAK)
     return replace(scenario, sound=replace(scenario.sound, local=local))
+
+
+def without_scraping(scenario):
+    """Return the same main where nothing scrapes."""
+    return replace(scenario, sound=replace(scenario.sound, scraping=Scraping()))
 
 
 def wav_of(run, path, mixed=None):
