@@ -59,7 +59,7 @@ VERSIONS = {
     "track": 8,
     "scan": 2,
     "clock": 3,
-    "candidates": 7,
+    "candidates": 8,
 }
 
 FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast

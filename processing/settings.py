@@ -241,6 +241,13 @@ class DetectorSettings:
     background_m: float = tunable(24.0, "m", 3.0, 200.0, "half window of the running background (acoustics §5.1)")
     min_speed_mps: float = tunable(0.12, "m/s", 0.0, 2.0, "slower, the same metre is heard on and on (acoustics §5.1)")
     min_score: float = tunable(0.2, "", 0.0, 1.0, "93 % of leaks at two false ones a kilometre (acoustics §5.2)")
+    narrowest_m: float = tunable(
+        0.5,
+        "m",
+        0.0,
+        5.0,
+        "half-width: above 800 Hz a leak is heard 1 to 3 m wide even in plastic; a scrape is narrower",
+    )
     max_candidates: float = tunable(200.0, "", 1.0, 10000.0, "more than anybody reviews in a day")
     metres_from_m: float = tunable(100.0, "m", 30.0, 5000.0, "auto: shorter runs give metre statistics too few metres")
     metres_alone_from_m: float = tunable(

@@ -10,6 +10,7 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.position.distance import NORMAL_95, places_at, times_at
 from processing.progress import Progress, silent
 from processing.settings import DetectorSettings
+from processing.sound.agreeing import HEARD_AT_LEAST, Judged, agreed
 from processing.sound.cells import CELL_M, Cells, Frames, band_log_power, cells_of, frames_of
 from processing.sound.envelope import find_by_envelope
 from processing.sound.judging import Judging
@@ -37,15 +38,17 @@ from processing.survey import (
 
 __all__ = ["DETECTORS", "Heard", "LevelAlong", "find_candidates"]
 
-# One row a method; ``survey.processing.detector`` names it, ``auto`` chooses.
-DETECTORS: Mapping[str, Callable[[Listening], list[Spot]]] = {
-    "envelope": find_by_envelope,
-    "metres": find_in_metres,
-    "metres_or_loud": find_in_metres_or_loud,
-    "layers": find_in_layers,
-    "kurtosis_band": find_by_kurtosis_band,
-    "wavelet_band": find_by_wavelet_band,
-    "spectrum": find_by_spectrum,
+# One row a method; ``survey.processing.detector`` names it, ``auto`` chooses. Of two searches, the judged results are
+# combined.
+DETECTORS: Mapping[str, tuple[Callable[[Listening], list[Spot]], ...]] = {
+    "envelope": (find_by_envelope,),
+    "metres": (find_in_metres,),
+    "metres_or_loud": (find_in_metres_or_loud,),
+    "layers": (find_in_layers,),
+    "agreed": (find_in_metres, find_in_layers),
+    "kurtosis_band": (find_by_kurtosis_band,),
+    "wavelet_band": (find_by_wavelet_band,),
+    "spectrum": (find_by_spectrum,),
 }
 
 _METRES_AT_LEAST_M = 15.0  # below it there are not enough cells for the statistics of the bands
@@ -103,11 +106,13 @@ def find_candidates(
     progress.update(0.5)
     listening = Listening(scan, frames, cells, settings)
     method, findings = _method(survey.processing.detector, cells, track, settings)
-    spots = DETECTORS[method](listening) if frames.counts.any() and (track is None or cells is not None) else []
-    progress.update(0.9)
     judging = Judging.on(listening, track, imu, survey)
+    progress.update(0.6)
+    hears = frames.counts.any() and (track is None or cells is not None)
+    judged = _judged(DETECTORS[method], listening, judging) if hears else []
+    progress.update(0.9)
     on_path = track if cells is not None else None
-    placed = [_placed(*judging.of(spot), on_path, clock, listening) for spot in spots]
+    placed = [_placed(spot, leak_class, on_path, clock, listening) for spot, leak_class in judged]
     placed = [candidate for candidate in placed if _worth_showing(candidate, settings)]
     placed.sort(key=lambda candidate: -candidate.score)
     witnessed, told = with_pressure(placed, imu, on_path)
@@ -123,6 +128,17 @@ def find_candidates(
         findings=findings,
         not_assessed=_unheard(scan, clock, track),
     )
+
+
+def _judged(
+    finders: tuple[Callable[[Listening], list[Spot]], ...], listening: Listening, judging: Judging
+) -> list[Judged]:
+    """Return what one search finds, judged; of two, what they say together."""
+    if len(finders) == 1:
+        return [judging.of(spot) for spot in finders[0](listening)]
+    all_of_it = replace(listening, settings=replace(listening.settings, min_score=HEARD_AT_LEAST))
+    by_metres, by_layers = ([judging.of(spot) for spot in find(all_of_it)] for find in finders)
+    return agreed(by_metres, by_layers, listening.settings)
 
 
 def _rolling(scan: SoundScan, frames: Frames, imu: ImuSamples, settings: DetectorSettings) -> RollingNoise | None:
@@ -153,7 +169,7 @@ def _method(
     if wanted != "auto":
         return wanted, ()
     if length_m >= settings.metres_from_m:
-        return "metres" if length_m > settings.metres_alone_from_m else "metres_or_loud", (
+        return "agreed" if length_m > settings.metres_alone_from_m else "metres_or_loud", (
             Finding("detector_metres", Severity.INFO, params),
         )
     return "envelope", (Finding("detector_envelope", Severity.INFO, params),)
