@@ -2,7 +2,7 @@
 """Sets Leakline up on a fresh machine, then runs it or its checks; standard library only.
 
     python3 packaging/dev.py run [ARGUMENTS OF leakline]   opens the demonstration, or does what the arguments say
-    python3 packaging/dev.py test [ARGUMENTS OF pytest]    lint, types, architecture, tests
+    python3 packaging/dev.py test [ARGUMENTS OF pytest]    lint, types, architecture, tests (on all processors)
 
 What it makes stays in ``.venv``; a second run finds it there and starts at once.
 """
@@ -200,7 +200,7 @@ def test(arguments: list[str]) -> int:
         "style": ["ruff", "check", "."],
         "format": ["ruff", "format", "--check", "."],
         "types": ["mypy"],
-        "tests": ["pytest", *arguments],
+        "tests": ["pytest", *(arguments or ["-n", "auto", "--dist", "worksteal"])],
     }
     failed = []
     for name, command in checks.items():

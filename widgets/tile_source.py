@@ -59,7 +59,11 @@ def pixel_levels(source: TileSource, edges_s: FloatArray, frequency: Scale, rows
     if span <= 0.0 or len(usable) == 0 or rows < 1:
         return np.zeros((max(rows, 0), columns), dtype=np.uint8)
     even = float(usable.max()) <= 1.001 * float(usable.min()) and len(usable) == columns
-    asked = columns if even else int(min(np.ceil(2.0 * span / np.percentile(usable, 2.0)), MOST_COLUMNS))
+    asked = (
+        columns
+        if even
+        else int(min(np.ceil(2.0 * span / max(float(np.percentile(usable, 2.0)), 1e-9 * span)), MOST_COLUMNS))
+    )
     asked = max(asked, columns)
     levels = source.columns(float(edges_s[0]), float(edges_s[-1]), asked, plane)
     step_db = source.step_db if plane == "mean" else None

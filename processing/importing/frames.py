@@ -136,7 +136,7 @@ class FrameDecoder:
         while True:
             start = data.find(SYNC, at)
             if start < 0:
-                keep = 1 if data.endswith(SYNC[:1]) else 0
+                keep = 1 if data.endswith(SYNC[:1], at) else 0
                 self.garbage_bytes += len(data) - keep - at
                 at = len(data) - keep
                 break

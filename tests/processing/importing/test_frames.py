@@ -6,7 +6,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from processing.importing import frame_log
@@ -56,6 +56,7 @@ def test_the_checksum_is_that_of_the_standard():
 
 
 @given(st.lists(st.integers(1, 700), max_size=20), st.integers(0, 2**32 - 1))
+@example([], 1_687_506_285)  # its last byte is the first of a beginning
 def test_however_a_stream_is_cut_the_same_samples_come_out(cuts, first):
     sent = samples(40, first=first)
     data = encode(sent)
