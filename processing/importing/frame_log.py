@@ -1,18 +1,17 @@
 """A file of Leakline's binary frames (``.lkf``): see :mod:`processing.importing.frames`."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from processing.errors import ErrorCode, LeaklineError, Place
-from processing.importing.frames import FrameDecoder, Frames
+from processing.importing.frames import FrameDecoder
 from processing.importing.raw import GrowingArray, RawImu, ReadContext
+from processing.importing.streams import decoded
 from processing.importing.text_layout import TextLayout
 from processing.survey import Finding, FloatArray, Severity
 
 SUFFIX = ".lkf"
-_BLOCK_BYTES = 4 << 20
 _HEAD_BYTES = 1 << 16
 _FEWEST = 3
 _COUNTER_SPAN = 1 << 32
@@ -44,7 +43,7 @@ def read(path: Path, context: ReadContext) -> RawImu:
     times, counters = GrowingArray(0, context.scratch), GrowingArray(0, context.scratch)
     is_known = dict.fromkeys(stores, False)
     first_us, rows = None, 0
-    for frames in _frames(path, decoder, context):
+    for frames in decoded(path, decoder, context):
         if first_us is None and len(frames):
             first_us = int(frames.time_us[0])
         for name, store in stores.items():
@@ -78,22 +77,6 @@ def read(path: Path, context: ReadContext) -> RawImu:
         params = {"bytes": decoder.garbage_bytes, "bad_sums": decoder.bad_sums}
         raw.findings.append(Finding("frames_garbage", Severity.MASKED, params))
     return raw
-
-
-def _frames(path: Path, decoder: FrameDecoder, context: ReadContext) -> Iterator[Frames]:
-    done, total = 0, 1
-    try:
-        total = max(path.stat().st_size, 1)
-        with path.open("rb") as file:
-            while block := file.read(min(_BLOCK_BYTES, context.max_bytes or _BLOCK_BYTES)):
-                done += len(block)
-                yield decoder.feed(block)
-                context.progress.update(done / total, "import_reading")
-                if context.max_bytes is not None and done >= context.max_bytes:
-                    return
-    except OSError as fault:
-        raise LeaklineError(ErrorCode.FILE_UNREADABLE, Place(path), reason=fault.strerror or str(fault)) from None
-    decoder.finish()
 
 
 def _unwrapped(counter: FloatArray) -> FloatArray:

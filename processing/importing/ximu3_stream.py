@@ -6,7 +6,6 @@ little-endian, stuffed as in SLIP so that no line feed is in them. Gyroscope in 
 in units of Earth's field, temperature in °C. There is no checksum: what has not its kind's length is passed over.
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.importing import merge
 from processing.importing.raw import GrowingArray, RawImu, ReadContext
+from processing.importing.streams import decoded
 from processing.importing.text_layout import TextLayout
 from processing.importing.units import factor
 from processing.survey import Finding, FloatArray, Severity
@@ -26,7 +26,6 @@ _STUFFED = ((b"\xdb\xdc", b"\n"), (b"\xdb\xdd", b"\xdb"))
 _LONGEST = 2000  # a notification may be long; without an end in so many bytes it is no such stream
 _FIXED_LENGTHS = {kind: 9 + 4 * width for kind, width in WIDTHS.items()}
 _OTHERS = frozenset("HRALEBWSNF")  # documented kinds that say nothing of use here
-_BLOCK_BYTES = 4 << 20
 _HEAD_BYTES = 1 << 16
 _FEWEST = 5
 
@@ -116,7 +115,7 @@ def read(path: Path, context: ReadContext) -> RawImu:
     """
     decoder = Ximu3Decoder()
     stores = {kind: GrowingArray(1 + width, context.scratch) for kind, width in WIDTHS.items()}
-    for found in _tables(path, decoder, context):
+    for found in decoded(path, decoder, context):
         for kind, table in found.items():
             stores[kind].append(table)
     tables = {kind: store.finish() for kind, store in stores.items()}
@@ -145,19 +144,3 @@ def read(path: Path, context: ReadContext) -> RawImu:
         params: dict[str, str | float] = {"bytes": decoder.garbage_bytes}
         raw.findings.append(Finding("stream_garbage", Severity.MASKED, params))
     return raw
-
-
-def _tables(path: Path, decoder: Ximu3Decoder, context: ReadContext) -> Iterator[dict[str, FloatArray]]:
-    done, total = 0, 1
-    try:
-        total = max(path.stat().st_size, 1)
-        with path.open("rb") as file:
-            while block := file.read(min(_BLOCK_BYTES, context.max_bytes or _BLOCK_BYTES)):
-                done += len(block)
-                yield decoder.feed(block)
-                context.progress.update(done / total, "import_reading")
-                if context.max_bytes is not None and done >= context.max_bytes:
-                    return
-    except OSError as fault:
-        raise LeaklineError(ErrorCode.FILE_UNREADABLE, Place(path), reason=fault.strerror or str(fault)) from None
-    decoder.finish()
