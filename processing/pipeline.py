@@ -57,9 +57,9 @@ VERSIONS = {
     "odometry": 5,
     "evidence": 2,
     "track": 8,
-    "scan": 2,
+    "scan": 3,
     "clock": 3,
-    "candidates": 8,
+    "candidates": 9,
 }
 
 FASTEST_MPS = 30.0  # water in a main never flows so fast, and nobody carries a device so fast

@@ -177,7 +177,10 @@ def _method(
 
 def _worth_showing(candidate: Candidate, settings: DetectorSettings) -> bool:
     """Whether it may be a leak, or sounded like one and is known for something else: then the list says what it is."""
-    return candidate.score >= settings.min_score or candidate.leak_class is not LeakClass.UNKNOWN
+    if candidate.score >= settings.min_score:
+        return True
+    heard = candidate.evidence.get("heard_score", 0.0)
+    return candidate.leak_class is not LeakClass.UNKNOWN and float(heard) >= settings.min_score
 
 
 def _placed(spot: Spot, leak_class: LeakClass, track: Track | None, clock: ClockMap, listening: Listening) -> Candidate:

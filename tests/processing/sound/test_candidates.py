@@ -57,6 +57,13 @@ def test_leaks_that_stand_out_are_found_where_they_are(detector):
     assert len([c for c in false if c.score > 0.5]) <= 1
 
 
+def test_what_hardly_sounded_like_a_leak_is_not_listed_for_being_known_for_something_else():
+    found = heard(drift((Leak(80, 1.5, 8.0),), seed=0), "agreed").candidates
+    assert near(found, 80.0)
+    for candidate in found:
+        assert max(candidate.score, candidate.evidence["heard_score"]) >= SETTINGS.min_score
+
+
 @pytest.mark.parametrize("detector", DETECTORS)
 def test_the_list_is_ordered_numbered_and_placed(detector):
     run = drift(FIVE, seed=4, sigma_m=0.3)
