@@ -52,7 +52,6 @@ class ScanPart:
     wave: Halves  # (blocks, 3) lowest, highest, rms
     tile_max: tuple[Bytes, ...]  # finest level first, each (columns, bins)
     tile_mean: tuple[Bytes, ...]
-    kurtosis: Halves  # (1, bands)
     facts: Samples  # (1, len(FACTS))
 
 
@@ -73,7 +72,6 @@ class Analyser:
         self._low_bins = np.array([row[:2] for row in low], np.intp).reshape(-1, 2)
         self._low_factors = np.array([row[2] for row in low], np.float32)
         self._low_gain = self._thinning_gain()
-        self._marks = self._kurtosis_marks()
         self._silence = 10 ** (settings.silence_db / 10) / 2  # power of a sine of that level
 
     @property
@@ -97,7 +95,7 @@ class Analyser:
         levels = PART_COLUMNS * LEVELS_PER_COLUMN
         power = np.empty((levels, len(self.bands_hz)), np.float32)
         crest = np.empty_like(power)
-        tile_max, tile_mean, kurtosis = self._spectra(samples, frames, power, crest)
+        tile_max, tile_mean = self._spectra(samples, power, crest)
         low_total = self._low_spectra(samples, power, crest)
         onset = np.empty(self.part // grid.onset_step, np.float32)
         loops.onset_energy(samples, self.context, self._onset_lag, onset, grid.onset_step)
@@ -116,21 +114,17 @@ class Analyser:
             wave=_envelope_halves(wave),
             tile_max=_levels(tile_max, columns, "max"),
             tile_mean=_levels(tile_mean, columns, "mean"),
-            kurtosis=kurtosis.astype(np.float16),
             facts=np.array([[mean, clip_level, *hum]], np.float32),
         )
 
-    def _spectra(
-        self, samples: Samples, frames: int, power: Spectrum, crest: Spectrum
-    ) -> tuple[Spectrum, Spectrum, Spectrum]:
-        """Fill the bands above 1 kHz; return both planes of the picture and the spectral kurtosis (1, bands)."""
+    def _spectra(self, samples: Samples, power: Spectrum, crest: Spectrum) -> tuple[Spectrum, Spectrum]:
+        """Fill the bands above 1 kHz; return both planes of the picture."""
         grid, loops = self.grid, self._loops
         hops = LEVELS_PER_COLUMN * grid.hops_per_level
         bins = grid.window // 2 + 1
         highest = np.empty((PART_COLUMNS, grid.picture_bins), np.float32)
         mean = np.empty_like(highest)
         bands = np.empty((PART_COLUMNS * hops, len(self._edges)), np.float32)
-        total, square = np.zeros((2, bins), np.float32)
         scratch = np.empty((3, bins), np.float32)
         windows = np.empty((_COLUMNS_PER_BLOCK * hops, grid.window), np.float32)
         first_window = self.context + grid.hop // 2 - grid.window // 2
@@ -147,15 +141,13 @@ class Analyser:
                 self._shares,
                 1 / HANN_ENBW,
                 bands[first * hops : (first + _COLUMNS_PER_BLOCK) * hops],
-                total,
-                square,
                 scratch,
             )
         high = np.flatnonzero(~self._low)
         in_frames, ratio = np.empty((2, len(power), len(high)), np.float32)
         loops.frame_bands(bands, in_frames, ratio, np.empty(grid.hops_per_level, np.float32))
         power[:, high], crest[:, high] = in_frames, ratio
-        return highest, mean, self._kurtosis(total, square, max(1, min(frames // grid.hop, len(bands))))
+        return highest, mean
 
     def _low_spectra(self, samples: Samples, power: Spectrum, crest: Spectrum) -> Spectrum:
         """Fill the low bands; return the summed power (bins,) of their fine bins.
@@ -200,25 +192,6 @@ class Analyser:
             step *= 2
         undone: Spectrum = (1.0 / np.maximum(gain, 1e-3)).astype(np.float32)
         return undone
-
-    def _kurtosis_marks(self) -> npt.NDArray[np.intp]:
-        """Return first and end bin of each band in turn, at least one bin each."""
-        bins = self.bands_hz / self.grid.bin_hz
-        last = self.grid.window // 2
-        first = np.clip(np.rint(bins[:, 0]), 1, last - 1)  # not the bin of the steady voltage
-        end = np.clip(np.rint(bins[:, 1]), first + 1, last)
-        return np.column_stack([first, end]).astype(np.intp).ravel()
-
-    def _kurtosis(self, total: Spectrum, square: Spectrum, windows: int) -> Spectrum:
-        """Return the spectral kurtosis (1, bands): mean(P²)/mean(P)² − 2, the mean over each band's bins.
-
-        0 for steady noise, −1 for a tone, large for what comes in bursts (Antoni, MSSP 20 (2006) 282, eq. 24).
-        """
-        heard = total > 1e-18
-        by_bin = np.where(heard, windows * square / np.square(np.where(heard, total, 1)), 2) - 2
-        sums = np.add.reduceat(by_bin, self._marks)[::2]
-        mean: Spectrum = (sums / (self._marks[1::2] - self._marks[::2])).astype(np.float32)
-        return np.minimum(mean, np.float32(6e4))[None]
 
     def _state(self, body: Samples, wave: Samples, onset: Samples, levels: int) -> tuple[Bytes, float]:
         """Return the bits of each frame and the level at which the sound is cut off, nan where it is not."""

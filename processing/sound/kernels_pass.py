@@ -38,14 +38,12 @@ def pool_spectra(
     shares: cython.const[cython.float][:, ::1],
     inside: cython.float,
     bands: cython.float[:, ::1],
-    total: cython.float[::1],
-    square: cython.float[::1],
     scratch: cython.float[:, ::1],
 ) -> None:
     """Twin of :func:`processing.sound.plain_pass.pool_spectra`; ``scratch`` is (3, bins)."""
     columns: cython.Py_ssize_t = highest.shape[0]
     per_column: cython.Py_ssize_t = parts.shape[0] // columns
-    bins: cython.Py_ssize_t = total.shape[0]
+    bins: cython.Py_ssize_t = scratch.shape[1]
     column: cython.Py_ssize_t
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
@@ -62,11 +60,7 @@ def pool_spectra(
                     scratch[1, k] += scratch[0, k]
                 for k in range(bins):
                     scratch[2, k] = max(scratch[2, k], scratch[0, k])
-                for k in range(bins):
-                    square[k] += scratch[0, k] * scratch[0, k]
                 _band_sums(scratch[0], edges, shares, inside, bands[i])
-            for k in range(bins):
-                total[k] += scratch[1, k]
             _pool_bins(scratch, bins_pooled, per_column * bins_pooled, highest[column], mean[column])
 
 

@@ -27,8 +27,6 @@ def pool_spectra(
     shares: Floats,
     inside: float,
     bands: Floats,
-    total: Floats,
-    square: Floats,
     scratch: Floats,
 ) -> None:
     """Make of spectra what the pass keeps of them.
@@ -42,8 +40,6 @@ def pool_spectra(
         shares: (b, 2) how much of the bins at ``edges`` to take away and to add: bands end within bins.
         inside: what the whole bins count.
         bands: out (n, b), power of each band in each window.
-        total: (bins,) to which each window's power is added.
-        square: (bins,) to which its square is added.
         scratch: not used here.
     """
     del scratch
@@ -53,8 +49,6 @@ def pool_spectra(
     shape = (columns, rows, bins_pooled)
     highest[:] = by_column.max(axis=1).reshape(shape).max(axis=2)
     mean[:] = by_column.mean(axis=1).reshape(shape).mean(axis=2)
-    total += power.sum(axis=0)
-    square += np.square(power).sum(axis=0)
     if len(edges):
         sums = np.add.reduceat(power, edges.ravel(), axis=1)[:, ::2] * np.float32(inside)
         sums[:, edges[:, 0] == edges[:, 1]] = 0  # reduceat gives the first element of an empty range

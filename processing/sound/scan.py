@@ -8,7 +8,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from processing.sound.tile_values import Bytes
 from processing.sound.tiles import TilePyramid, WavePyramid, build_upper_levels, load_pyramids
 from processing.survey import AudioSource, Channel, ClockMap, Finding, FloatArray, Severity, Stretch
 
-VERSION = 2  # of what lies in the folder; part of its description, so that older folders are rebuilt
+VERSION = 3  # of what lies in the folder; part of its description, so that older folders are rebuilt
 _INDEX = "scan.json"
 _MAX_THREADS = 4
 _JOIN_S = 1.0  # troubles closer than this are one stretch
@@ -38,7 +38,7 @@ _DEAD_SHARE = 0.9
 _OFFSET = 0.01  # of full scale: a steady voltage that costs range
 _HUM_DB = 12.0  # above its surroundings, in half of all pieces
 _REASONS = ((SILENT, "sound_silent"), (DROPOUT, "sound_dropout"), (CLIPPED, "sound_clipped"))
-_SERIES = ("level_db", "crest_db", "state", "onset", "kurtosis")
+_SERIES = ("level_db", "crest_db", "state", "onset")
 
 Grown = Callable[[Path, Grid, int], None]  # the folder, its grid, and how many picture columns can be read there
 
@@ -50,8 +50,6 @@ class SoundScan:
     Row ``t`` of the level series covers ``t·frame_s`` to ``(t + 1)·frame_s``. The last band is the chosen one.
     ``crest_db`` tells how far the mean stands above the median: over the frame's windows in bands above 1 kHz
     (impulses), over the band's bins below (tones). ``state`` holds the bits SILENT, DROPOUT and CLIPPED.
-    ``kurtosis`` is that of each band's spectrum in pieces of ``piece_s``: 0 for steady noise, −1 for a tone, large for
-    what comes in bursts.
     """
 
     folder: Path
@@ -64,12 +62,6 @@ class SoundScan:
     tiles: TilePyramid
     wave: WavePyramid
     findings: tuple[Finding, ...]
-    kurtosis: Halves = field(default_factory=lambda: np.zeros((0, 0), np.float16))  # (p, b + 1)
-
-    @property
-    def piece_s(self) -> float:
-        """Seconds in a row of ``kurtosis``."""
-        return PART_COLUMNS * self.grid.column_s
 
     @property
     def frame_s(self) -> float:

@@ -55,7 +55,6 @@ def file_shapes(folder: Path, grid: Grid, bands: int) -> dict[str, Shape]:
         "state": Shape(folder / "state.npy", np.uint8, grid.level_count, None),
         "onset": Shape(folder / "onset.npy", np.uint8, steps, None),
         "wave": Shape(wave_path(folder, 0), np.float16, wave_block_count(grid), 3),
-        "kurtosis": Shape(folder / "kurtosis.npy", np.float16, parts, bands),
         "facts": Shape(folder / "facts.npy", np.float32, parts, len(FACTS) + 1),
     }
     for plane in PLANES:
@@ -91,7 +90,7 @@ class ScanWriter:
 
     def add(self, part: ScanPart, not_finite: int) -> None:
         """Append one piece."""
-        for name in ("level_db", "crest_db", "state", "onset", "wave", "kurtosis"):
+        for name in ("level_db", "crest_db", "state", "onset", "wave"):
             self._files[name].add(getattr(part, name))
         self._files["facts"].add(np.column_stack([part.facts, [[np.float32(not_finite)]]]))
         for plane, levels in (("max", part.tile_max), ("mean", part.tile_mean)):
@@ -147,7 +146,7 @@ class ScanWriter:
         except (OSError, ValueError, KeyError, TypeError, AttributeError, LeaklineError) as error:
             log.warning("the pass begins anew, what is left of the one before is not sound: %s", error)
             return self._nothing_left()
-        self.parts_done = self._files["kurtosis"].rows_added
+        self.parts_done = self._files["facts"].rows_added
         return True
 
     def _nothing_left(self) -> bool:

@@ -25,6 +25,7 @@ from processing.sound.analysis import Analyser
 from processing.sound.bands import Grid
 from processing.sound.rows import Kept, RowFile, load_rows, part_path
 from processing.sound.scan import scan
+from processing.sound.scan_files import part_count
 from processing.sound.soundness import clipped_at
 from processing.sound.source import open_audio
 from processing.sound.tile_values import to_tile
@@ -60,7 +61,7 @@ def test_the_compiled_loops_measure_what_numpy_measures(rate):
     samples = np.clip(samples, -1, 1)
     samples[-len(samples) // 4 :] = 0
     ours, theirs = analyser.analyse(samples, analyser.part), plain.analyse(samples, analyser.part)
-    for name in ("level_db", "crest_db", "kurtosis"):
+    for name in ("level_db", "crest_db"):
         a, b = (np.asarray(getattr(part, name), float) for part in (ours, theirs))
         np.testing.assert_allclose(a, b, rtol=2e-3, atol=2e-2, err_msg=name)
     np.testing.assert_allclose(np.asarray(ours.wave, float), np.asarray(theirs.wave, float), rtol=2e-3, atol=1e-6)
@@ -83,30 +84,6 @@ def test_a_level_as_a_byte_is_right_to_the_half_step(power):
     level = 10 * np.log10(max(power, 1e-30))
     byte = int(to_tile(np.array([power], np.float32))[0])
     assert abs(byte - np.clip((level + 130) / 0.5, 0, 255)) <= 0.5 + 0.012
-
-
-# --- kurtosis --------------------------------------------------------------------------------------------------------
-
-
-def test_the_spectral_kurtosis_of_noise_tones_and_bursts_is_what_theory_says(tmp_path):
-    rate, rng = 16000, np.random.default_rng(5)
-    seconds = np.arange(40 * rate) / rate
-    noise = rng.standard_normal(len(seconds))
-    tone = 20 * np.sin(2 * np.pi * 2000 * seconds)  # ten times above the noise in its band
-    share = 0.25  # of the time, in bursts much longer than a window
-    bursts = noise * ((seconds % 3.0) < 3.0 * share)
-    found = []
-    for name, sound in (("noise", noise), ("tone", noise + tone), ("bursts", bursts)):
-        (tmp_path / name).mkdir()
-        source = written(tmp_path / name, 0.02 * sound, rate, "FLOAT")
-        result = scan(source, SoundSettings(band_low_hz=1990, band_high_hz=2010), out_dir=tmp_path / name / "scan")
-        assert result.piece_s == pytest.approx(12, abs=1)
-        assert len(result.kurtosis) == -(-40 // result.piece_s)
-        found.append(np.asarray(result.kurtosis[:-1], float).mean(axis=0))
-    assert found[0][8:] == pytest.approx(0, abs=0.12)
-    assert found[1][-1] == pytest.approx(-1, abs=0.05)
-    # power p a share of the time: E P² / (E P)² = 2 / share; windows across an edge take some of it away
-    assert found[2][8:] == pytest.approx(2 / share - 2, rel=0.15)
 
 
 # --- going on where a pass stopped -----------------------------------------------------------------------------------
@@ -316,7 +293,7 @@ def test_processing_that_was_stopped_within_the_pass_goes_on_there(tmp_path, who
         process(Survey(), recording, Settings(), cache, stopping)
     again = []
     results = process(Survey(), recording, Settings(), cache, Progress(lambda _, phrase: again.append(phrase)))
-    gone_through = len(results.scan.kurtosis)
+    gone_through = part_count(results.scan.grid)
     assert again.count("sound_scanning") <= gone_through - 5 + 2  # and those that say that it begins and ends
     for name in ("level_db.npy", "tiles_max_0.npy", "wave_1.npy"):
         assert (results.scan.folder / name).read_bytes() == (expected / name).read_bytes()
