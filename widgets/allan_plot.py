@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import FloatArray
+from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import number_text
 from widgets.plot_theme import LIGHT, Theme
 
@@ -28,7 +29,7 @@ class AllanLines:
     high: FloatArray
 
 
-class AllanPlot(QWidget):
+class AllanPlot(PaintedWidget):
     """Two plots side by side, gyro and accelerometer; the shade is the 95 % interval of each axis."""
 
     def __init__(self, theme: Theme = LIGHT, parent: QWidget | None = None) -> None:
@@ -50,10 +51,8 @@ class AllanPlot(QWidget):
         self._theme = theme
         self.update()
 
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def _paint(self, painter: QPainter) -> None:
         """Draw the plots below one another."""
-        del event
-        painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(self._theme.font())
         painter.fillRect(self.rect(), QColor(self._theme.background))

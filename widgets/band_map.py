@@ -5,19 +5,19 @@ from collections.abc import Sequence
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import FloatArray
 from widgets.color_maps import color_table
-from widgets.plot_marks import report_paint_error
+from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import Scale, hertz_text, number_text
 from widgets.plot_theme import LIGHT, Theme
 
 _COLOURS = "viridis"
 
 
-class BandMapView(QWidget):
+class BandMapView(PaintedWidget):
     """Paints the bands of one map; ``band_clicked`` names the one that was clicked."""
 
     band_clicked = Signal(float, float)
@@ -90,17 +90,6 @@ class BandMapView(QWidget):
     def _band_at(self, place: QPointF) -> int | None:
         rects: Sequence[QRectF] = [self.band_rect(k) for k in range(len(self._bands))]
         return next((k for k, rect in enumerate(rects) if rect.contains(place)), None)
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw everything."""
-        del event
-        painter = QPainter(self)
-        try:
-            self._paint(painter)
-        except Exception:  # noqa: BLE001  # handed on
-            report_paint_error()
-        finally:
-            painter.end()
 
     def _paint(self, painter: QPainter) -> None:
         theme, rect = self._theme, self.plot_rect()

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.clock_picture import SHIFT_STEP_S, ClockPicture, CloseUp
 from processing.survey import FloatArray
+from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import number_text
 from widgets.plot_theme import LIGHT, Theme
 from widgets.vocabulary import clock_text
@@ -35,7 +36,7 @@ class _Frame:
         return QPolygonF([self.point(a, b) for a, b in zip(x.tolist(), y.tolist(), strict=True)])
 
 
-class ClockView(QWidget):
+class ClockView(PaintedWidget):
     """Three plots below one another; without a picture it says ``hint``."""
 
     def __init__(self, theme: Theme = LIGHT, parent: QWidget | None = None) -> None:
@@ -57,10 +58,8 @@ class ClockView(QWidget):
         self._theme = theme
         self.update()
 
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def _paint(self, painter: QPainter) -> None:
         """Draw the plots."""
-        del event
-        painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(self._theme.font())
         painter.fillRect(self.rect(), QColor(self._theme.background))

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import FloatArray
+from widgets.painted_widget import PaintedWidget
 from widgets.plot_theme import Theme
 from widgets.vocabulary import number
 
@@ -17,7 +18,7 @@ _MOST_NATS = 4.0  # of evidence that fill the bar
 _LEAST_SPAN_DB = 6.0
 
 
-class Painted(QWidget):
+class Painted(PaintedWidget):
     """A piece of fixed height that paints itself in the theme's colours."""
 
     def __init__(self, theme: Theme, lines: float, parent: QWidget | None = None) -> None:
@@ -39,13 +40,11 @@ class Painted(QWidget):
         """Qt: as narrow as one likes."""
         return QSize(60, self.sizeHint().height())
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
+    def _paint(self, painter: QPainter) -> None:
         """Qt: paint on the canvas's colour."""
-        painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(self._theme.font())
         self.paint_piece(painter, QRectF(self.rect()))
-        painter.end()
 
     def paint_piece(self, painter: QPainter, rect: QRectF) -> None:
         """Paint the piece into ``rect``."""

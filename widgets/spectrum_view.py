@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import FloatArray
-from widgets.plot_marks import report_paint_error
+from widgets.painted_widget import PaintedWidget
 from widgets.plot_paint import paint_legend, paint_tag
 from widgets.plot_scale import Scale, ScaleKind, hertz_name, number_text, tick_digits
 from widgets.plot_theme import LIGHT, Theme
@@ -42,7 +42,7 @@ class SpectrumMark:
     text: str
 
 
-class SpectrumView(QWidget):
+class SpectrumView(PaintedWidget):
     """Up to three curves; all of it is painted anew when something has changed, which is rare."""
 
     pointed = Signal(object)  # Hz under the mouse or the keyboard's line, or None
@@ -172,17 +172,6 @@ class SpectrumView(QWidget):
         finally:
             painter.end()
         return target
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw everything."""
-        del event
-        painter = QPainter(self)
-        try:
-            self._paint(painter)
-        except Exception:  # noqa: BLE001  # handed on
-            report_paint_error()
-        finally:
-            painter.end()
 
     def _paint(self, painter: QPainter) -> None:
         theme, rect = self._theme, self.plot_rect()

@@ -6,11 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF, QWheelEvent
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen, QPolygonF, QWheelEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import FloatArray
-from widgets.plot_marks import report_paint_error
+from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import Scale, ScaleKind, hertz_text, number_text, tick_digits
 from widgets.plot_theme import LIGHT, Theme
 
@@ -19,7 +19,7 @@ CLICK_PIXELS = 4
 _LEAST_PART = 1e-4
 
 
-class XyPlot(QWidget):
+class XyPlot(PaintedWidget):
     """Wheel zooms about the mouse, drag pans, double click or F shows all; subclasses paint their data.
 
     Keys: plus and minus (Page Up and Down too) zoom, Shift with the arrows pans.
@@ -115,17 +115,6 @@ class XyPlot(QWidget):
         return QSize(240, 110)
 
     # --- painting ---
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the frame, the subclass' data within it, and the axes over them."""
-        del event
-        painter = QPainter(self)
-        try:
-            self._paint(painter)
-        except Exception:  # noqa: BLE001  # handed on
-            report_paint_error()
-        finally:
-            painter.end()
 
     def _paint(self, painter: QPainter) -> None:
         rect = self.plot_rect()
