@@ -1,5 +1,6 @@
 """The neutral imu.csv: names with units, any order, extra columns ignored."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
@@ -8,7 +9,7 @@ from processing.importing.delimited import read_delimited
 from processing.importing.raw import RawImu, ReadContext
 from processing.importing.text_layout import TextLayout, find_layout
 
-_NAMES: dict[str, tuple[Quantity, str]] = {
+NAMES: Mapping[str, tuple[Quantity, str]] = {
     "time_s": (Quantity.TIME, "s"),
     **{f"{q.value}_mps2": (q, "mps2") for q in ACC},
     **{f"{q.value}_radps": (q, "radps") for q in GYR},
@@ -23,7 +24,7 @@ def mapping_of(layout: TextLayout) -> ColumnMapping:
     """Return which columns hold what, by the names of the contract; upper or lower case."""
     columns: dict[Quantity, MappedColumn] = {}
     for number, name in enumerate(layout.columns[: layout.width]):
-        known = _NAMES.get(name.strip().casefold())
+        known = NAMES.get(name.strip().casefold())
         if known is not None and known[0] not in columns:
             columns[known[0]] = MappedColumn(number, known[0], known[1], name)
     return ColumnMapping(tuple(columns.values()))
@@ -43,7 +44,7 @@ def read(path: Path, context: ReadContext) -> RawImu:
     layout = find_layout(path)
     mapping = mapping_of(layout)
     if mapping.missing:
-        name = next(n for n, (q, _) in _NAMES.items() if q is mapping.missing[0])
+        name = next(n for n, (q, _) in NAMES.items() if q is mapping.missing[0])
         line = max(layout.data_line - 1, 1)
         raise LeaklineError(ErrorCode.COLUMN_MISSING, Place(path, line=line), column_name=name)
     raw = read_delimited(path, mapping, context, layout)

@@ -21,22 +21,22 @@ RATE_HZ = 100.0
 _NUMBER = r"[ \t]*([-+]?[\d.]{1,40}(?:[eE][-+]?\d{1,4})?)[ \t]*"
 _TRIPLE = r"[ \t]*\([ \t]*xyz[ \t]*\)[ \t]*[=:]" + ",".join([_NUMBER] * 3)
 # every repetition is bounded: a megabyte without a line feed must not take forever
-_LINE = re.compile(
+LINE = re.compile(
     (
         rf"^([^\n]{{0,300}}?)Acc(?:elerometer)?{_TRIPLE},?[^\n]{{0,100}}?Gyr(?:o|oscope)?{_TRIPLE}"
         rf"(?:,?[^\n]{{0,100}}?Mag(?:netometer)?{_TRIPLE})?"
     ).encode(),
     re.MULTILINE | re.IGNORECASE,
 )
-_CLOCK = re.compile(rb"((?:\d{4}[-/.]\d\d?[-/.]\d\d?[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)")
-_PLAIN = re.compile(rb"^\W*([0-9]+(?:\.[0-9]+)?)\s*(ms|us|s)?\b", re.IGNORECASE)
+CLOCK = re.compile(rb"((?:\d{4}[-/.]\d\d?[-/.]\d\d?[T ])?\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)")
+PLAIN = re.compile(rb"^\W*([0-9]+(?:\.[0-9]+)?)\s*(ms|us|s)?\b", re.IGNORECASE)
 
 
 def sniff(path: Path, _layout: TextLayout | None) -> float:
     """Return how sure it is (0..1) that the file holds such lines."""
     head = read_head(path)
     text = "\n".join(head_lines(head, encoding_of(head))).encode()
-    found = len(_LINE.findall(text[:60_000]))
+    found = len(LINE.findall(text[:60_000]))
     return 0.99 if found >= 3 else 0.0
 
 
@@ -55,7 +55,7 @@ def read(path: Path, context: ReadContext) -> RawImu:
     stamps = _Stamps(head)
     for data, done in whole_lines(path, encoding_of(head), faults, min(BLOCK_BYTES, context.max_bytes or BLOCK_BYTES)):
         lines = data.replace(b"\0", b"")
-        found = list(_LINE.finditer(lines))
+        found = list(LINE.finditer(lines))
         _count_faults(lines, found, line, faults)
         values = np.array([[_number(g) for g in m.groups()[1:]] for m in found], dtype=np.float64).reshape(-1, 9)
         drop_absurd(values)
@@ -97,10 +97,10 @@ class _Stamps:
     """Finds the time in what stands before the values of a line: a clock, a rising number, or nothing."""
 
     def __init__(self, head: bytes) -> None:
-        before = [m[1] for m in _LINE.finditer(head)][:50]
-        plain = [m for text in before if (m := _PLAIN.match(text))]
+        before = [m[1] for m in LINE.finditer(head)][:50]
+        plain = [m for text in before if (m := PLAIN.match(text))]
         numbers = [float(m[1]) for m in plain]
-        self.clock = bool(before) and all(_CLOCK.search(text) for text in before)
+        self.clock = bool(before) and all(CLOCK.search(text) for text in before)
         rising = len(numbers) == len(before) > 1 and numbers == sorted(numbers) and numbers[-1] > numbers[0]
         self.unit = ""
         if rising and not self.clock:
@@ -109,10 +109,10 @@ class _Stamps:
     def of(self, before: list[bytes]) -> FloatArray:
         """Return the times (k,) of lines, NaN where there is none; in s for a clock, else as written."""
         if self.clock:
-            found = [m[1] if (m := _CLOCK.search(text)) else b"" for text in before]
+            found = [m[1] if (m := CLOCK.search(text)) else b"" for text in before]
             return seconds_of_clock(np.array(found, dtype="S40"))
         if self.unit:
-            return np.array([_number(m[1] if (m := _PLAIN.match(text)) else None) for text in before])
+            return np.array([_number(m[1] if (m := PLAIN.match(text)) else None) for text in before])
         return np.full(len(before), np.nan)
 
 

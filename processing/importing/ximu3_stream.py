@@ -36,16 +36,21 @@ class Ximu3Decoder:
     def __init__(self) -> None:
         self._left = b""
         self.garbage_bytes = 0
+        self.order: dict[str, list[int]] = {kind: [] for kind in WIDTHS}
 
     def feed(self, data: bytes) -> dict[str, FloatArray]:
-        """Return the messages that are complete now: kind → (n, 1 + width), the time in µs first."""
+        """Return the messages that are complete now: kind → (n, 1 + width), the time in µs first.
+
+        ``order`` then tells of each row its message's place among those of all kinds.
+        """
         *messages, self._left = (self._left + data).split(_END)
         if len(self._left) > _LONGEST:
             self.garbage_bytes += len(self._left)
             self._left = b""
         binary: dict[str, list[bytes]] = {kind: [] for kind in WIDTHS}
         text: dict[str, list[list[float]]] = {kind: [] for kind in WIDTHS}
-        for message in messages:
+        places: dict[str, tuple[list[int], list[int]]] = {kind: ([], []) for kind in WIDTHS}
+        for place, message in enumerate(messages):
             if not message:
                 continue
             first = message[0]
@@ -57,6 +62,7 @@ class Ximu3Decoder:
                 whole = _unstuffed(message) if _ESCAPE in message else message
                 if len(whole) == _FIXED_LENGTHS[kind]:
                     binary[kind].append(whole)
+                    places[kind][0].append(place)
                 else:
                     self.garbage_bytes += len(message) + 1
             else:
@@ -65,6 +71,8 @@ class Ximu3Decoder:
                     self.garbage_bytes += len(message) + 1
                 else:
                     text[kind].append(numbers)
+                    places[kind][1].append(place)
+        self.order = {kind: of_binary + of_text for kind, (of_binary, of_text) in places.items()}
         # one stream is of one sort: where both come, a setting was changed, and the sorts keep their order in time
         return {kind: _table(kind, binary[kind], text[kind]) for kind in WIDTHS}
 
