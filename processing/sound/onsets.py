@@ -54,15 +54,16 @@ def audio_events(scan: SoundScan) -> Events:
         end = min(start + block * _BLOCKS_PER_CHUNK, len(scan.onset))
         first = max(0, start - margin)
         level = np.asarray(scan.onset[first : min(end + margin, len(scan.onset))], np.float32) * TILE_STEP_DB
-        peaks, strength = _rises(level, step_s)
+        peaks, strength = rises(level, step_s)
         own = (peaks + first >= start) & (peaks + first < end)
         peaks, strength = _strongest_per_block(peaks[own], strength[own], block)
-        times = np.array([_first_quarter(level, int(p), step_s) for p in peaks]) + first
+        times = np.array([first_quarter(level, int(p), step_s) for p in peaks]) + first
         found.append((times * step_s, strength))
     return _joined(found)
 
 
-def _rises(level: npt.NDArray[np.float32], step_s: float) -> tuple[npt.NDArray[np.int64], FloatArray]:
+def rises(level: npt.NDArray[np.float32], step_s: float) -> tuple[npt.NDArray[np.int64], FloatArray]:
+    """Return the steps and sizes (dB) of the sudden rises of a level (n,) in dB, one value each ``step_s``."""
     lag = max(1, round(_RISE_S / step_s))
     smooth = ndimage.uniform_filter1d(level, 3)
     rise = np.zeros(len(level), np.float32)
@@ -70,7 +71,7 @@ def _rises(level: npt.NDArray[np.float32], step_s: float) -> tuple[npt.NDArray[n
     return _separate_peaks(rise, _MIN_RISE_DB, max(1, round(_APART_S / step_s)))
 
 
-def _first_quarter(level: npt.NDArray[np.float32], peak: int, step_s: float) -> float:
+def first_quarter(level: npt.NDArray[np.float32], peak: int, step_s: float) -> float:
     """Return the fractional step at which the level first comes within 6 dB of the attack's peak."""
     first = max(0, peak - 2 * round(_RISE_S / step_s))
     attack = level[first : peak + round(_ATTACK_S / step_s)]

@@ -1,0 +1,195 @@
+"""The guided check before the launch, with a ball on a bench that is made here: knocks, noise, faults."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from processing import messages
+from processing.live.check_items import GRAVITY_MPS2, CheckSettings, range_item, rate_item, saturation_speed_mps
+from processing.live.check_knocks import KnockEar, KnockFeel, pair_knocks
+from processing.live.check_sheet import CheckSheet, Light
+from processing.live.prelaunch import CheckPlan, Phase, PrelaunchCheck, Surroundings
+from processing.live.stream import DiscStatus, LinkState, MotionBlock, MotionStatus, SoundBlock, SoundStatus
+from processing.survey import ImuSamples, Motion
+
+RATE, IMU_RATE = 16000, 200.0
+PLAN = CheckPlan(radius_m=0.0475, speed_mps=0.8, planned_s=7200.0)
+IRREGULAR = (15.0, 15.9, 16.4, 17.6, 18.2)
+HOST_S = 5000.0
+
+
+class Bench:
+    """A ball on a bench: what its sensors give from 0 to 30 s, with knocks at the given moments."""
+
+    def __init__(self, knocks=IRREGULAR, seed=1, bias_dps=0.6, late_s=0.03, gravity=GRAVITY_MPS2, hiss=1e-3):
+        rng = np.random.default_rng(seed)
+        self.late_s = late_s
+        time = np.arange(int(30 * RATE)) / RATE
+        self.wave = hiss * rng.standard_normal(len(time))
+        self.imu_s = np.arange(int(30 * IMU_RATE)) / IMU_RATE
+        self.acc = np.array([0.0, 0.0, gravity]) + 0.02 * rng.standard_normal((len(self.imu_s), 3))
+        self.gyr = np.radians([bias_dps, 0, 0]) + np.radians(0.05) * rng.standard_normal((len(self.imu_s), 3))
+        for at in knocks:
+            after = np.maximum(time - at, 0.0)
+            self.wave += 0.3 * np.exp(-after / 0.01) * np.sin(2 * np.pi * 3000 * after)
+            self.acc[:, 0] += 30.0 * np.exp(-0.5 * ((self.imu_s - at) / 0.004) ** 2)
+        self.knocks = knocks
+
+    def sound(self, start_s, end_s):
+        first, end = int(start_s * RATE), int(end_s * RATE)
+        frames = np.round(self.wave[first:end, None] * 2.0**31).clip(-(2**31), 2**31 - 1).astype(np.int32)
+        return SoundBlock(frames, first, HOST_S + first / RATE + self.late_s)
+
+    def motion(self, start_s, end_s):
+        rows = (self.imu_s >= start_s) & (self.imu_s < end_s)
+        count = int(rows.sum())
+        imu = ImuSamples(self.imu_s[rows], self.acc[rows], self.gyr[rows], np.ones(count, np.bool_))
+        return MotionBlock(imu, HOST_S + float(self.imu_s[rows][-1]))
+
+
+def around(frames=0, samples=0, **more):
+    sound = SoundStatus(LinkState.LIVE, "mic", float(RATE), 1, frames)
+    motion = MotionStatus(LinkState.LIVE, "ball", "frames", IMU_RATE, samples)
+    known = Surroundings(sound, motion, DiscStatus(10**12, 1e5, 40000.0), 80.0, is_plugged=False)
+    return replace(known, **more)
+
+
+def checked(bench, plan=PLAN, **more):
+    check = PrelaunchCheck(plan, HOST_S, "2026-05-04T09:00:00Z")
+    views = [check.tick(HOST_S, around())]
+    for step in range(1, 300):
+        start_s, end_s = (step - 1) * 0.1, step * 0.1
+        check.add(bench.sound(start_s, end_s), RATE)
+        check.add(bench.motion(start_s, end_s), RATE)
+        views.append(check.tick(HOST_S + end_s, around(int(end_s * RATE), int(end_s * IMU_RATE), **more)))
+        if views[-1].phase is Phase.DONE:
+            break
+    return check.sheet(), views
+
+
+def lights(sheet):
+    for item in sheet.items:
+        for language in messages.LANGUAGES:
+            assert messages.text("check_items", item.key, language)
+            assert messages.text("check_verdicts", item.verdict, language, **item.params)
+    return {item.key: item.light for item in sheet.items}
+
+
+def verdicts(sheet):
+    return {item.key: item.verdict for item in sheet.items}
+
+
+def test_a_sound_ball_gets_green_lights_and_goes_through_all_phases():
+    sheet, views = checked(Bench())
+    found = lights(sheet)
+    assert found.pop("field") is Light.OPEN  # it has no magnetometer
+    assert set(found.values()) == {Light.GREEN}, verdicts(sheet)
+    assert sheet.light is Light.GREEN
+    assert list(dict.fromkeys(view.phase for view in views)) == [Phase.LISTEN, Phase.REST, Phase.KNOCK, Phase.DONE]
+    assert views[-1].both == 5
+
+
+def test_the_figures_are_those_of_the_bench():
+    sheet, _ = checked(Bench(bias_dps=1.5, hiss=0.01))
+    params = {item.key: item.params for item in sheet.items}
+    assert params["rest"]["bias_dps"] == pytest.approx(1.5, abs=0.02)
+    assert params["gravity"]["size_mps2"] == pytest.approx(GRAVITY_MPS2, abs=0.005)
+    assert params["level"]["rms_db"] == pytest.approx(-40.0, abs=0.2)  # 20 lg 0.01
+    assert params["range"]["limit_mps"] == pytest.approx(np.radians(2000.0) * 0.0475)
+    assert params["space"]["left_h"] == pytest.approx(40000.0 / 3600)
+
+
+def test_a_ball_that_is_moved_has_to_lie_still_again():
+    bench = Bench(knocks=tuple(at + 3.0 for at in IRREGULAR))
+    moving = (bench.imu_s > 6.0) & (bench.imu_s < 7.0)
+    bench.gyr[moving] += np.radians(30.0) * np.sin(20 * bench.imu_s[moving])[:, None]
+    sheet, views = checked(bench)
+    assert any(view.moved for view in views)
+    assert lights(sheet)["rest"] is Light.GREEN
+    bench.gyr += np.radians(30.0) * np.sin(20 * bench.imu_s)[:, None]
+    restless, _ = checked(bench)
+    assert verdicts(restless)["rest"] in {"rest_moved", "not_checked"}
+    assert lights(restless)["rest"] is not Light.GREEN
+
+
+@pytest.mark.parametrize(
+    ("bench", "more", "key", "light"),
+    [
+        ({"bias_dps": 5.0}, {}, "rest", Light.YELLOW),
+        ({"bias_dps": 14.0}, {}, "rest", Light.RED),
+        ({"gravity": 9.5}, {}, "gravity", Light.YELLOW),
+        ({"gravity": 1.0}, {}, "gravity", Light.RED),
+        ({"knocks": (15.0, 16.0, 17.0, 18.0, 19.0)}, {}, "knocks", Light.YELLOW),
+        ({"knocks": (15.0, 15.7, 17.0)}, {}, "knocks", Light.YELLOW),
+        ({"knocks": ()}, {}, "knocks", Light.RED),
+        ({"hiss": 1e-6}, {}, "level", Light.YELLOW),
+        ({}, {"disc": DiscStatus(10**9, 1e5, 3000.0)}, "space", Light.RED),
+        ({}, {"disc": DiscStatus(10**9, 1e5, 8000.0)}, "space", Light.YELLOW),
+        ({}, {"battery_pct": 30.0}, "battery", Light.YELLOW),
+        ({}, {"battery_pct": 10.0}, "battery", Light.RED),
+        ({}, {"battery_pct": 10.0, "is_plugged": True}, "battery", Light.GREEN),
+    ],
+)
+def test_what_is_amiss_gets_its_light(bench, more, key, light):
+    assert lights(checked(Bench(**bench), **more)[0])[key] is light
+
+
+def test_dead_streams_and_dead_axes_are_red():
+    bench = Bench()
+    bench.acc[:, 1] = 0.0
+    assert verdicts(checked(bench)[0])["axes"] == "axes_dead"
+    check = PrelaunchCheck(PLAN, HOST_S, "")
+    for step in range(700):
+        check.tick(HOST_S + 0.1 * step, Surroundings())
+    found = lights(check.sheet())
+    assert found["sound"] is found["motion"] is found["knocks"] is Light.RED
+
+
+def test_clipping_while_all_is_quiet_is_red_but_not_the_knocks_themselves():
+    bench = Bench()
+    bench.wave[int(2.0 * RATE)] = 1.0
+    assert lights(checked(bench)[0])["level"] is Light.RED
+    loud = Bench()
+    loud.wave[int(16.4 * RATE) :][:40] = 1.0
+    assert lights(checked(loud)[0])["level"] is Light.GREEN
+
+
+def test_a_ball_of_six_centimetres_saturates_at_a_metre_a_second():
+    # findings §6: ±2000 °/s is reached at 1.05 m/s with a 60 mm ball, 1.75 m/s with 100 mm
+    assert saturation_speed_mps(2000.0, 0.030) == pytest.approx(1.05, abs=0.005)
+    assert saturation_speed_mps(2000.0, 0.050) == pytest.approx(1.75, abs=0.005)
+    settings = CheckSettings()
+    for speed, light in ((0.5, Light.GREEN), (0.85, Light.YELLOW), (1.0, Light.RED)):
+        assert range_item(Motion.ROLLING, 0.030, speed, 2000.0, settings).light is light
+    # 100 Hz at 1 m/s on a circumference of 0.188 m: 18.8 a turn
+    assert rate_item(Motion.ROLLING, 0.030, 1.0, 100.0, settings).params["a_turn"] == pytest.approx(18.85, abs=0.01)
+
+
+@pytest.mark.parametrize("late_s", [-0.2, 0.0, 0.35])
+def test_knocks_are_placed_and_paired_across_different_delays(late_s):
+    bench = Bench(late_s=late_s)
+    ear, feel = KnockEar(RATE), KnockFeel()
+    for step in range(300):
+        ear.add(bench.sound(0.1 * step, 0.1 * step + 0.1))
+        feel.add(bench.motion(0.1 * step, 0.1 * step + 0.1))
+    found = pair_knocks(ear.knocks_s(), feel.knocks_s(), 0.012)
+    assert found.heard_s - HOST_S - late_s == pytest.approx(np.array(IRREGULAR), abs=0.003)
+    assert found.felt_s - HOST_S == pytest.approx(np.array(IRREGULAR), abs=0.004)
+    assert len(found.paired_s) == 5
+    assert float(np.median(found.apart_s)) == pytest.approx(late_s, abs=0.005)
+    assert found.jitter_s < 0.004
+
+
+def test_at_the_end_only_the_knocks_are_asked_for():
+    sheet, views = checked(Bench(knocks=(3.0, 3.9, 4.4, 5.6, 6.2)), replace(PLAN, kind="end"))
+    assert lights(sheet) == {"knocks": Light.GREEN}
+    assert {view.phase for view in views} == {Phase.KNOCK, Phase.DONE}
+
+
+def test_a_sheet_comes_back_from_its_file_and_nonsense_does_not():
+    sheet, _ = checked(Bench(knocks=()))
+    assert CheckSheet.from_json(json.loads(json.dumps(sheet.to_json()))) == sheet
+    for nonsense in (None, 3, [], {}, {"items": []}, {"items": [{"key": 1}]}, {"items": "x"}):
+        assert CheckSheet.from_json(nonsense) is None
