@@ -40,7 +40,14 @@ LIBRARIES = {
     "libxcb-shape0": "libxcb-shape.so.0",
     "libportaudio2": "libportaudio.so.2",
 }
-TEST_PROGRAMS = {"xvfb": "Xvfb", "xdotool": "xdotool", "poppler-utils": "pdftoppm"}
+TEST_PROGRAMS = {
+    "xvfb": "Xvfb",
+    "xdotool": "xdotool",
+    "poppler-utils": "pdftoppm",
+    "pulseaudio": "pulseaudio",  # the sound card of the tests, on its own socket
+    "pulseaudio-utils": "paplay",
+}
+ALSA_PLUGINS = {"libasound2-plugins": "libasound_module_pcm_pulse.so"}  # by which PortAudio reaches that server
 
 
 def main(arguments: list[str]) -> int:
@@ -147,6 +154,7 @@ def install_system_packages(for_tests: bool) -> None:
     missing = [package for package, library in LIBRARIES.items() if not loads(library)]
     if for_tests:
         missing += [package for package, program in TEST_PROGRAMS.items() if not shutil.which(program)]
+        missing += [package for package, plugin in ALSA_PLUGINS.items() if not has_alsa_plugin(plugin)]
     if not missing:
         return
     if may_install() and apt_install(missing):
@@ -160,6 +168,12 @@ def loads(library: str) -> bool:
         ctypes.CDLL(library)
         return True
     return False
+
+
+def has_alsa_plugin(name: str) -> bool:
+    """Tell whether ALSA finds a plugin; it loads them by path, not by the linker's search."""
+    folders = (Path("/usr/lib/alsa-lib"), Path("/usr/lib64/alsa-lib"), *Path("/usr/lib").glob("*/alsa-lib"))
+    return any((folder / name).exists() for folder in folders)
 
 
 def may_install() -> bool:

@@ -40,6 +40,9 @@ class ErrorCode(StrEnum):
     PATH_IMPOSSIBLE = "path_impossible"
     REPORT_FAILED = "report_failed"
     SCENARIO_UNKNOWN = "scenario_unknown"
+    SIMULATED_FAULT_UNKNOWN = "simulated_fault_unknown"
+    SIMULATED_PORT_FAILED = "simulated_port_failed"
+    SIMULATED_SOUND_FAILED = "simulated_sound_failed"
     ROUTE_FORMAT_UNKNOWN = "route_format_unknown"
     ROUTE_DAMAGED = "route_damaged"
     ROUTE_EMPTY = "route_empty"
@@ -61,6 +64,12 @@ class ErrorCode(StrEnum):
     CORRELATION_NO_EVENT = "correlation_no_event"
     CORRELATION_SESSION_DAMAGED = "correlation_session_damaged"
     CORRELATION_SESSION_NEWER = "correlation_session_newer"
+    SOUND_LIBRARY_MISSING = "sound_library_missing"
+    SOUND_SPEC_INVALID = "sound_spec_invalid"
+    SOUND_NO_INPUT = "sound_no_input"
+    SOUND_DEVICE_MISSING = "sound_device_missing"
+    SOUND_DEVICE_REFUSED = "sound_device_refused"
+    SOUND_DEVICE_GONE = "sound_device_gone"
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+import sound_server as sound_server_helper
 
 # set before Qt is first imported; a test that needs a real screen starts its own
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -27,3 +28,37 @@ def own_home(tmp_path_factory, monkeypatch):
     for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_CACHE_HOME", "XDG_STATE_HOME", "APPDATA", "LOCALAPPDATA"):
         monkeypatch.setenv(name, str(home / name.lower()))
     return home
+
+
+@pytest.fixture(scope="session")
+def _sound_server():
+    if (reason := sound_server_helper.why_missing()) is not None:
+        pytest.skip(reason)
+    server = sound_server_helper.SoundServer()
+    try:
+        server.start()
+        yield server
+    finally:
+        server.close()
+
+
+@pytest.fixture
+def sound_server(_sound_server):
+    """A virtual sound server that this process, and its children, record from by default: a SoundServer that runs.
+
+    PortAudio reads its surroundings when it is initialised, so it is initialised anew before and after.
+    """
+    from app.devices import portaudio
+
+    _sound_server.write_asound()
+    _sound_server.start()
+    _sound_server.reform(48_000, 2)
+    try:
+        with pytest.MonkeyPatch.context() as environment:
+            for name, value in _sound_server.variables.items():
+                environment.setenv(name, value)
+            assert portaudio.refresh(), "a stream of an earlier test is still open"
+            yield _sound_server
+    finally:
+        _sound_server.end_players()
+    assert portaudio.refresh(), "this test left a stream open"

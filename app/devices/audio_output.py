@@ -13,6 +13,8 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from app.devices import portaudio
+
 log = logging.getLogger(__name__)
 
 BLOCK_S = 0.05
@@ -50,8 +52,8 @@ class Sink(Protocol):
 
 
 class _PortAudioSink:
-    def __init__(self, stream: Any, channels: int) -> None:  # noqa: ANN401  # sounddevice has no types
-        self._stream, self._channels = stream, channels
+    def __init__(self, stream: Any, channels: int, hold: portaudio.Hold) -> None:  # noqa: ANN401
+        self._stream, self._channels, self._hold = stream, channels, hold
         self.latency_s = float(stream.latency)
 
     def write(self, block: FloatBlock) -> None:
@@ -68,6 +70,7 @@ class _PortAudioSink:
     def close(self) -> None:
         self._stream.abort()
         self._stream.close()
+        self._hold.release()
 
 
 def open_sink(sample_rate_hz: float, channels: int = 1) -> Sink:
@@ -76,14 +79,16 @@ def open_sink(sample_rate_hz: float, channels: int = 1) -> Sink:
     With more than one channel, blocks hold the samples of all channels in turn.
     """
     sounddevice = _library()
+    hold = portaudio.Hold()  # looking for microphones anew would end what plays
     try:
         stream = sounddevice.OutputStream(
             samplerate=sample_rate_hz, channels=channels, dtype="float32", latency=LATENCY_S, blocksize=0
         )
         stream.start()
     except Exception as error:
+        hold.release()
         raise SoundUnavailableError(str(error)) from error
-    return _PortAudioSink(stream, channels)
+    return _PortAudioSink(stream, channels, hold)
 
 
 def why_silent() -> str | None:

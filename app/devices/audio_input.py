@@ -1,0 +1,239 @@
+"""Sound from a device to whoever wants it, for hours: nothing is lost unsaid, and a lost device is found again.
+
+Three threads: PortAudio's, which only copies; one that opens the device, watches it and opens it again; and the worker,
+which places the sound on its time axis, feeds the level meter and calls ``on_block``. A system that hangs while it
+opens or closes a device therefore holds up neither the sound that came nor whoever stops it.
+"""
+
+import logging
+import queue
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from app.devices import portaudio
+from app.devices.audio_devices import AudioDevice, list_inputs, named
+from app.devices.audio_spec import AudioChoice
+from app.devices.audio_stream import Callback, Chunk, Handover, Opener, OpenInput, open_input, suitable_rate
+from processing.errors import ErrorCode, LeaklineError
+from processing.live.levels import LevelMeter
+from processing.live.stream import LinkState, SoundBlock, SoundStatus
+
+log = logging.getLogger(__name__)
+
+QUEUE_S = 30.0  # of sound; a disc that stalls for longer costs sound, not the computer's memory
+SILENT_S = 0.8  # without a callback
+LOST_S = 2.0
+RETRY_S = 1.0
+_LOOK_S = 0.1
+
+
+class AudioInput:
+    """One input for one recording; started once, stopped once. ``on_block`` is called from its worker thread.
+
+    Rate and channels stay what they were at the first opening, because the recording's files are made for them.
+    """
+
+    def __init__(
+        self,
+        choice: AudioChoice,
+        on_block: Callable[[SoundBlock], None],
+        *,
+        open_device: Opener = open_input,
+        devices: Callable[[], tuple[AudioDevice, ...]] = list_inputs,
+        queue_s: float = QUEUE_S,
+    ) -> None:
+        self._choice, self._on_block, self._open_device, self._devices = choice, on_block, open_device, devices
+        self._handover = Handover(queue_s)
+        self._stop = threading.Event()
+        self._lock = threading.Lock()
+        self._state = LinkState.WAITING
+        self._fault: LeaklineError | None = None
+        self._device = ""
+        self._rate_hz = 0
+        self._meter: LevelMeter | None = None
+        self._place: _Placing | None = None
+        self._watcher = threading.Thread(target=self._watch, name="sound-device", daemon=True)
+        self._worker = threading.Thread(target=self._work, name="sound", daemon=True)
+
+    def start(self) -> None:
+        """Begin; returns at once. Raises LeaklineError (SOUND_LIBRARY_MISSING), all else is told by the status."""
+        if self._open_device is open_input:
+            portaudio.library()
+        self._worker.start()
+        self._watcher.start()
+
+    def stop(self, timeout_s: float = 3.0) -> bool:
+        """Let the device go and hand over what came until then; returns False if that took longer than the time given.
+
+        Then the system hangs; the threads are left behind and end with the program.
+        """
+        until = time.monotonic() + timeout_s
+        self._stop.set()
+        if self._watcher.ident is not None:
+            self._watcher.join(max(0.0, until - time.monotonic() - 0.2 * timeout_s))
+        self._handover.end()
+        if self._worker.ident is not None:
+            self._worker.join(max(0.0, until - time.monotonic()))
+        ended = not (self._watcher.is_alive() or self._worker.is_alive())
+        if not ended:
+            log.warning("the sound input %s did not end in %.1f s; it is left behind", self._device, timeout_s)
+        with self._lock:
+            self._state = LinkState.ENDED
+        return ended
+
+    @property
+    def fault(self) -> LeaklineError | None:
+        """Why there is no sound at this moment, None while there is."""
+        with self._lock:
+            return self._fault
+
+    def status(self) -> SoundStatus:
+        """Return one look at the stream; cheap, from any thread."""
+        with self._lock:
+            state, device, rate_hz, meter, place = self._state, self._device, self._rate_hz, self._meter, self._place
+        if meter is None or place is None:
+            return SoundStatus(state=state, device=device)
+        levels = meter.levels()
+        return SoundStatus(
+            state=state,
+            device=device,
+            sample_rate_hz=float(rate_hz),
+            channels=self._choice.channels,
+            frames=place.came,
+            lost_frames=place.lost,
+            gaps=place.gaps,
+            rms_db=levels.rms_db,
+            peak_db=levels.peak_db,
+            held_peak_db=levels.held_peak_db,
+            clipped=levels.clipped,
+            is_digital_silence=levels.is_digital_silence,
+        )
+
+    def clear_clip(self) -> None:
+        """Forget that the sound was clipped."""
+        with self._lock:
+            meter = self._meter
+        if meter is not None:
+            meter.clear_clip()
+
+    # --- the thread that opens and watches the device ---------------------------------------------------------------
+
+    def _watch(self) -> None:
+        while not self._stop.is_set():
+            try:
+                stream, callback = self._open()
+            except LeaklineError as error:
+                with self._lock:
+                    self._fault = error
+                log.debug("sound input not open: %s", error)
+                self._stop.wait(RETRY_S)
+                continue
+            self._look_after(callback)
+            self._close(stream)
+
+    def _open(self) -> tuple[OpenInput, Callback]:
+        device = named(self._choice, self._devices())
+        rate_hz = self._rate_hz or self._choice.rate_hz or suitable_rate(device, self._choice.channels)
+        callback = self._handover.opened(rate_hz)
+        with self._lock:
+            if self._meter is None:
+                self._rate_hz = rate_hz
+                self._meter = LevelMeter(rate_hz, self._choice.channels)
+                self._place = _Placing(rate_hz)
+            self._device = device.name
+        stream = self._open_device(device, rate_hz, self._choice.channels, callback)
+        if self._choice.is_default:
+            # when the microphone is unplugged the default becomes another one, which must not go on in its place
+            self._choice = AudioChoice(device.name, self._choice.rate_hz, self._choice.channels)
+        return stream, callback
+
+    def _look_after(self, callback: Callback) -> None:
+        """Return when the device is lost or we are to stop."""
+        opened_s = time.monotonic()
+        while not self._stop.is_set():
+            quiet_s = time.monotonic() - (callback.last_s or opened_s)
+            if callback.finished.is_set() or quiet_s > LOST_S:
+                with self._lock:
+                    self._state = LinkState.LOST
+                    self._fault = LeaklineError(ErrorCode.SOUND_DEVICE_GONE, name=self._device)
+                return
+            state = LinkState.SILENT if quiet_s > SILENT_S else self._state
+            if callback.last_s is not None and quiet_s <= SILENT_S:
+                state = LinkState.LIVE
+            with self._lock:
+                self._state = state
+                if state is LinkState.LIVE:
+                    self._fault = None
+            callback.finished.wait(_LOOK_S)
+
+    def _close(self, stream: OpenInput) -> None:
+        """Close a stream; on a thread of its own, because some systems hang when the device has gone."""
+        closing = threading.Thread(target=stream.close, name="sound-close", daemon=True)
+        closing.start()
+        closing.join(LOST_S)
+        if closing.is_alive():
+            log.warning("the system hangs while it closes the sound input %s", self._device)
+
+    # --- the worker --------------------------------------------------------------------------------------------------
+
+    def _work(self) -> None:
+        while True:
+            try:
+                chunk = self._handover.take(timeout_s=1.0)
+            except queue.Empty:
+                continue
+            if chunk is None:
+                return
+            try:
+                self._deliver(chunk)
+            except Exception:  # a fault of whoever takes the sound must not end the stream
+                log.exception("a block of sound was not taken")
+
+    def _deliver(self, chunk: Chunk) -> None:
+        place, meter = self._place, self._meter
+        assert place is not None  # made before the device was opened
+        assert meter is not None
+        frames = np.frombuffer(chunk.data, np.int32).reshape(chunk.frames, self._choice.channels)
+        block = place.block(chunk, frames)
+        meter.add(frames)
+        self._on_block(block)
+
+
+class _Placing:
+    """Numbers the frames of one recording and says how many are missing before a chunk."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self._rate_hz = rate_hz
+        self._next = 0  # number of the next frame, lost ones counted
+        self._opening = 0
+        self._next_of_opening = 0
+        self._end_s: float | None = None  # when the last frame was digitised, host time
+        self.came = self.lost = self.gaps = 0
+
+    def block(self, chunk: Chunk, frames: np.ndarray) -> SoundBlock:
+        adc_s = _adc_host_s(chunk, self._rate_hz)
+        lost, reason = 0, ""
+        if chunk.opening != self._opening:
+            if self._end_s is not None:
+                lost, reason = max(0, round((adc_s - self._end_s) * self._rate_hz)), "sound_input_lost"
+            self._opening, self._next_of_opening = chunk.opening, 0
+        if chunk.first > self._next_of_opening:
+            lost, reason = lost + chunk.first - self._next_of_opening, reason or "sound_behind"
+        self._next_of_opening = chunk.first + chunk.frames
+        first = self._next + lost
+        self._next = first + chunk.frames
+        self._end_s = adc_s + chunk.frames / self._rate_hz
+        self.came += chunk.frames
+        self.lost += lost
+        self.gaps += lost > 0
+        return SoundBlock(frames, first, adc_s, lost, reason if lost else "")
+
+
+def _adc_host_s(chunk: Chunk, rate_hz: float) -> float:
+    """Return when the first frame was digitised: as PortAudio says, but not later than all of them can have been."""
+    least_s = chunk.frames / rate_hz
+    told = chunk.age_s if 0.0 < chunk.age_s < 10.0 else 0.0
+    return chunk.host_s - max(least_s, told)
