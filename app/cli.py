@@ -4,6 +4,7 @@ import argparse
 import errno
 import logging
 import os
+import re
 import signal
 import sys
 import threading
@@ -17,6 +18,7 @@ from processing.errors import Cancelled, ErrorCode, LeaklineError, Place
 from processing.progress import Progress
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DEVICE_PROTOCOLS = ("frames", "csv", "printed", "ximu3", "ximu3-binary")  # of app.devices.simulated.protocols, unloaded
 DISC_FULL = {errno.ENOSPC, errno.EDQUOT} if hasattr(errno, "EDQUOT") else {errno.ENOSPC}
 
 
@@ -79,6 +81,14 @@ def _seed(word: str) -> int:
     return int(word)
 
 
+def _positive(word: str) -> float:
+    """Return a number above 0."""
+    number = float(word) if re.fullmatch(r"\d{1,9}(\.\d{0,9})?", word) else 0.0
+    if not number > 0.0:
+        raise argparse.ArgumentTypeError(f"{word[:40]!r} is not a number above 0")
+    return number
+
+
 def _common_words() -> OneLineParser:
     """Return the words that may stand before and after the command."""
     common = OneLineParser(add_help=False)
@@ -118,12 +128,34 @@ def parser() -> OneLineParser:
     one.add_argument("--seed", type=_seed, default=0, metavar="N")
     one.set_defaults(handler=_simulate)
 
+    _add_simulate_device(commands, common)
+
     one = commands.add_parser("scenarios", parents=[common], help="list what can be simulated")
     one.set_defaults(handler=_scenarios)
 
     one = commands.add_parser("formats", parents=[common], help="list what can be imported")
     one.set_defaults(handler=_formats)
     return top
+
+
+def _add_simulate_device(commands: "argparse._SubParsersAction[OneLineParser]", common: OneLineParser) -> None:
+    one = commands.add_parser("simulate-device", parents=[common], help="send a simulated run as a live device would")
+    one.add_argument("source", metavar="SOURCE", help="a scenario (see 'leakline scenarios'), or a recording's folder")
+    one.add_argument("--imu", default="pty", metavar="PORT", help="pty[:LINK], tcp:[HOST:]PORT or udp:HOST:PORT")
+    one.add_argument("--protocol", default="frames", choices=DEVICE_PROTOCOLS, help="how it speaks")
+    one.add_argument("--audio", default="none", metavar="OUT", help="SINK (PulseAudio), output:NAME, wav:FILE or none")
+    one.add_argument("--start-server", action="store_true", help="start a sound server with a virtual microphone")
+    one.add_argument("--rate", type=_positive, metavar="HZ", help="samples of the IMU a second")
+    one.add_argument("--audio-rate", type=int, metavar="HZ", help="of a scenario's sound")
+    one.add_argument("--channels", type=int, default=1, choices=range(1, 9), metavar="N", help="of a scenario's sound")
+    one.add_argument("--speed", type=_positive, default=1.0, metavar="X", help="so many times as fast, without sound")
+    one.add_argument("--loop", action="store_true", help="begin anew at the end")
+    one.add_argument("--faults", default="", metavar="LIST", help="such as 'garbage@10+2,unplug@30+3,drift=80'")
+    one.add_argument("--seed", type=_seed, default=0, metavar="N")
+    one.add_argument("--seconds", type=_positive, metavar="N", help="end after so many seconds of sending")
+    one.add_argument("--no-wait", action="store_true", help="send from the start, not when somebody listens")
+    one.add_argument("--truth", type=_place, metavar="FILE", help="write what was sent, and when")
+    one.set_defaults(handler=_simulate_device)
 
 
 # --- the commands -------------------------------------------------------------------------------------------------
@@ -175,6 +207,19 @@ def _simulate(words: argparse.Namespace) -> int:
         run = simulate(load_scenario(words.scenario), words.seed, progress.part(0.0, 0.5))
         write_run(run, words.out, progress.part(0.5, 1.0))
     print(messages.text("cli", "simulated", words.language, folder=words.out.resolve()))
+    return DONE
+
+
+def _simulate_device(words: argparse.Namespace) -> int:
+    from app.simulate_device_command import SimulateDeviceWords, print_line, simulate_device
+
+    told = SimulateDeviceWords(
+        words.source, words.imu, words.protocol, words.audio, words.rate, words.audio_rate, words.channels,
+        words.speed, words.loop, words.faults, words.seed, words.seconds, not words.no_wait, words.start_server,
+        words.truth, words.language,
+    )  # fmt: skip
+    with _TerminalProgress(words.language) as progress:
+        simulate_device(told, progress, print_line)
     return DONE
 
 
