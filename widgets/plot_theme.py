@@ -42,8 +42,8 @@ class Theme:
         return replace(self, font_scale=font_scale)
 
     def font(self) -> QFont:
-        """Return the font of plots; the first call fixes it: make a new theme when the application's font changes."""
-        return self._font
+        """Return a font of plots to keep; the first call fixes it: make a new theme when the application's changes."""
+        return QFont(self._font)
 
     def metrics(self) -> QFontMetricsF:
         """Return the metrics of :meth:`font`."""
