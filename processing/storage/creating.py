@@ -38,6 +38,7 @@ def create_folder(
 ) -> Path:
     """Copy ``files`` into a new survey folder under ``target_dir`` and return the folder; may run in any thread.
 
+    A ``target_dir`` that ends in ``.leakline`` is itself the folder to make, whatever the survey's name is.
     Files keep their names, and their places relative to their common folder. The copy's SHA-256 is stored; an
     :class:`ImportedFile` must still have the one with which it was imported. A name that is taken gets ``-2``, ``-3``.
     When it fails or is cancelled nothing is left behind.
@@ -49,18 +50,21 @@ def create_folder(
     progress = progress or silent()
     sources = [_Source(file) for file in files]
     needed = sum(source.size for source in sources)
+    name = folder_name(survey)
+    if target_dir.suffix == SUFFIX:
+        target_dir, name = target_dir.parent, target_dir.name
     with writing(target_dir):
         target_dir.mkdir(parents=True, exist_ok=True)
         _sweep(target_dir)
         if shutil.disk_usage(target_dir).free < needed + _MARGIN:
             raise LeaklineError(ErrorCode.DISC_FULL, Place(target_dir))
-        part = _new_folder(target_dir, folder_name(survey))
+        part = _new_folder(target_dir, name)
     try:
         lock = acquire(part)  # tells a later sweep whether the maker is still at work
         _fill(part, survey, sources, progress.part(0.0, 1.0, "copying_originals"), operator)
         lock.release()
         with writing(target_dir):
-            return _put_in_place(part, target_dir, folder_name(survey))
+            return _put_in_place(part, target_dir, name)
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise

@@ -18,9 +18,10 @@ from processing.storage import backup, documents, migration, schema
 from processing.storage.cache import Cache
 from processing.storage.creating import DATABASE_NAME, SUFFIX, create_folder
 from processing.storage.database import Database, check_header, open_read_only, open_writable
-from processing.storage.files import hash_file, safe_name
+from processing.storage.files import hash_file, safe_name, writing
 from processing.storage.lock import Lock, acquire
 from processing.storage.review import ReviewStore
+from processing.storage.unfinished import RESERVE_NAME, files_without_sum, recording_findings, with_sums
 from processing.survey import Finding, ImportedFile, Params, Run, Severity, Survey
 
 
@@ -83,6 +84,7 @@ class SurveyFolder:
         if lock is not None and database.read_only:
             lock.release()
             lock = None
+        findings += recording_findings(path, is_ours=lock is not None)
         return cls(path, database, lock, tuple(findings))
 
     @classmethod
@@ -211,7 +213,10 @@ class SurveyFolder:
     # --- originals
 
     def files(self, recording: int = 1) -> tuple[ImportedFile, ...]:
-        """Return the original files of a recording with size and SHA-256 as they were when copied."""
+        """Return the original files of a recording with size and SHA-256 as they were when copied.
+
+        Parts of a live recording that is running, or was killed, have an empty sum until :meth:`complete_recording`.
+        """
         sql = "SELECT name, role, size, sha256 FROM recording_files WHERE recording_id = ? ORDER BY name"
         original = (self.recording_dir(recording) / "original").absolute()
         found = []
@@ -220,12 +225,49 @@ class SurveyFolder:
             if path.is_absolute() or path.drive or ".." in path.parts:
                 raise LeaklineError(ErrorCode.SURVEY_DAMAGED, Place(self._db.path), reason=name)
             found.append(ImportedFile(original / path, role, size, sha256))
-        return tuple(found)
+        found += files_without_sum(original, found)
+        return tuple(sorted(found, key=lambda file: file.path.name))
+
+    def complete_recording(self, hashed: Sequence[ImportedFile] = (), recording: int = 1) -> None:
+        """Store the sums of a live recording's files that have none yet; those in ``hashed`` are not read for it.
+
+        What is stored stays: calling it again, or for a recording that was imported, does nothing.
+
+        Raises:
+            LeaklineError: SURVEY_READ_ONLY, DISC_FULL, CANNOT_WRITE; FILE_UNREADABLE.
+        """
+        missing = [file for file in self.files(recording) if not file.sha256]
+        if missing:
+            self.add_files(with_sums(missing, hashed), recording)
+            with writing(self.path):
+                (self.recording_dir(recording) / RESERVE_NAME).unlink(missing_ok=True)
+
+    def add_files(self, files: Sequence[ImportedFile], recording: int = 1) -> None:
+        """Store finished files of a live recording, which lie in ``original``, with their sums.
+
+        Raises:
+            LeaklineError: SURVEY_READ_ONLY, DISC_FULL, CANNOT_WRITE.
+        """
+        original = self.recording_dir(recording).absolute() / "original"
+        rows = [
+            (recording, file.path.absolute().relative_to(original).as_posix(), file.role, file.size, file.sha256)
+            for file in files
+        ]
+        with self._db.transaction() as db:
+            sql = "INSERT INTO recording_files (recording_id, name, role, size, sha256) VALUES (?, ?, ?, ?, ?)"
+            db.executemany(sql, rows)
 
     def verify_originals(self, progress: Progress | None = None, recording: int = 1) -> tuple[Finding, ...]:
         """Read all originals again and tell which are missing or no longer what they were."""
-        progress, findings = progress or silent(), []
+        progress = progress or silent()
+        findings: list[Finding] = []
         files = self.files(recording)
+        findings += [
+            Finding("original_without_sum", Severity.INFO, {"file": file.path.name})
+            for file in files
+            if not file.sha256
+        ]
+        files = tuple(file for file in files if file.sha256)
         done, total = 0, max(sum(file.size for file in files), 1)
 
         def told(count: int) -> None:
