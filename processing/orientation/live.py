@@ -56,6 +56,16 @@ class LiveAttitude:
         self._under_way = False
         self._tail: list[tuple[Block, FloatArray]] = []
         self._before: Before | None = None
+        self.bias_radps = np.zeros(3)  # what the estimator itself takes off the calibrated rates by now
+
+    def recalibrate(self, calibration: Calibration) -> None:
+        """Go on with what a later rest told: the attitude is kept, what the estimator learnt of the offset is not."""
+        self._view = replace(self._view, calibration=calibration)
+        self._recursion = None
+        self.bias_radps = np.zeros(3)
+        if self._under_way and self._state is not None:
+            self._recursion = self._make(replace(self._view, imu=self._rows))
+            self._state = self._recursion.begin(self._state[:4].copy(), None)
 
     def add(self, imu: ImuSamples) -> Attitudes:
         """Take rows (m,); return times (k,) and attitudes (k, 4) of the trusted rows that have become known.
@@ -102,6 +112,8 @@ class LiveAttitude:
         assert self._state is not None
         quat, bias = np.empty((len(block.time_s), 4)), np.empty((len(block.time_s), 3))
         self._recursion.advance(block, self._state, quat, bias)
+        if self._recursion.estimates_bias and len(bias):
+            self.bias_radps = bias[-1].copy()
         self._tail.append((block, quat))
         while len(self._tail) > 1 and self._tail[1][0].time_s[0] <= block.time_s[-1] - TAIL_S:
             self._tail.pop(0)

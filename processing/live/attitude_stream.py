@@ -1,0 +1,99 @@
+"""The attitude of every sample as it comes: LiveAttitude, calibrated by the first rest and again by later ones."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from processing.live.live_rest import RestWatch
+from processing.orientation import quaternions as qt
+from processing.orientation.live import LiveAttitude
+from processing.settings import OrientationSettings
+from processing.survey import FloatArray, ImuSamples
+
+_WAIT_S = 4.0  # for a first rest
+_ESTIMATOR = "eskf"
+
+
+@dataclass(frozen=True)
+class OrientedRows:
+    """Trusted rows (k,) with their attitude: ``rate_s_radps`` without the gyro's offset, ``acc_s_mps2`` as it came."""
+
+    time_s: FloatArray
+    acc_s_mps2: FloatArray
+    rate_s_radps: FloatArray
+    quat_ws: FloatArray
+
+
+class AttitudeStream:
+    """Rows go in as they come; rows with attitudes come out, later by what the estimator needs to find the tilt."""
+
+    def __init__(self, settings: OrientationSettings, yaw_rad: float = 0.0, name: str = _ESTIMATOR) -> None:
+        """Begin; ``yaw_rad`` is the first yaw, which nobody can know."""
+        self._settings, self._yaw_rad, self._name = settings, yaw_rad, name
+        self.rest = RestWatch(settings)
+        self._held: list[ImuSamples] = []  # before the attitude begins
+        self._waiting: list[tuple[FloatArray, FloatArray, FloatArray]] = []  # rows whose attitude is to come
+        self._live: LiveAttitude | None = None
+        self.gravity_mps2 = self.rest.calibration().gravity_mps2
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether a rest has told the gyro's offset."""
+        return self.rest.rests > 0
+
+    def add(self, imu: ImuSamples) -> OrientedRows:
+        """Take rows (m,), later than all before; return those whose attitude has become known."""
+        rows = _trusted(imu)
+        if not len(rows.time_s):
+            return _NO_ROWS
+        better = self.rest.add(rows)
+        if self._live is None:
+            self._held.append(rows)
+            held_s = rows.time_s[-1] - self._held[0].time_s[0]
+            if not self.is_calibrated and held_s < _WAIT_S:
+                return _NO_ROWS
+            rows, self._held = _joined(self._held), []
+            self._live = self._begin(rows)
+        elif better:
+            self._recalibrate()
+        calibration = self.rest.calibration()
+        rate = calibration.corrected(rows.time_s, rows.gyr_s_radps) - self._live.bias_radps
+        self._waiting.append((rows.time_s, rows.acc_s_mps2, rate))
+        times, quats = self._live.add(rows)
+        return self._taken(len(times), quats)
+
+    def _begin(self, rows: ImuSamples) -> LiveAttitude:
+        period = float(np.median(np.diff(rows.time_s))) if len(rows.time_s) > 1 else 0.01
+        calibration = self.rest.calibration()
+        self.gravity_mps2 = calibration.gravity_mps2
+        return LiveAttitude(self._name, calibration, self._settings, period, yaw_rad=self._yaw_rad)
+
+    def _recalibrate(self) -> None:
+        assert self._live is not None
+        calibration = self.rest.calibration()
+        self.gravity_mps2 = calibration.gravity_mps2
+        self._live.recalibrate(calibration)
+
+    def _taken(self, count: int, quats: FloatArray) -> OrientedRows:
+        if count == 0:
+            return _NO_ROWS
+        time_s, acc, rate = (np.concatenate(column) for column in zip(*self._waiting, strict=True))
+        self._waiting = [(time_s[count:], acc[count:], rate[count:])] if count < len(time_s) else []
+        return OrientedRows(time_s[:count], acc[:count], rate[:count], quats)
+
+
+_NO_ROWS = OrientedRows(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), np.tile(qt.IDENTITY, (0, 1)))
+
+
+def _trusted(imu: ImuSamples) -> ImuSamples:
+    keep = np.asarray(imu.valid)
+    columns = (imu.time_s, imu.acc_s_mps2, imu.gyr_s_radps)
+    time_s, acc, gyr = (np.ascontiguousarray(np.asarray(c, dtype=np.float64)[keep]) for c in columns)
+    return ImuSamples(time_s, acc, gyr, np.ones(len(time_s), dtype=np.bool_))
+
+
+def _joined(parts: list[ImuSamples]) -> ImuSamples:
+    time_s, acc, gyr, valid = (
+        np.concatenate([getattr(p, name) for p in parts]) for name in ("time_s", "acc_s_mps2", "gyr_s_radps", "valid")
+    )
+    return ImuSamples(time_s, acc, gyr, valid)
