@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from deadline import ended_after
 from small_survey import make_folder
 
 from processing.storage.folder import SurveyFolder
@@ -37,13 +38,13 @@ def test_no_verdict_that_was_shown_is_lost_when_the_window_is_killed(tmp_path):
             text=True,
             env=environment,
         )
-        first = child.stdout.readline()
-        assert first, "the window never showed a verdict"
-        time.sleep(choose.uniform(0.0, 0.6))
-        child.send_signal(signal.SIGKILL)
-        lines = [first, *child.stdout.read().splitlines(keepends=True)]
-        child.wait()
-        child.stdout.close()
+        with ended_after(child, 90.0):
+            first = child.stdout.readline()
+            assert first, "the window never showed a verdict"
+            time.sleep(choose.uniform(0.0, 0.6))
+            child.send_signal(signal.SIGKILL)
+            lines = [first, *child.stdout.read().splitlines(keepends=True)]
+            child.stdout.close()
         told = [line.split(maxsplit=2) for line in lines if line.endswith("\n")]
         shown |= {int(number): (verdict, note.strip()) for number, verdict, note in told}
         with sqlite3.connect(path / "survey.db") as database:

@@ -7,6 +7,7 @@ import sys
 import time
 
 import pytest
+from deadline import ended_after
 
 LEAKLINE = [sys.executable, "-m", "app"]
 posix_only = pytest.mark.skipif(os.name == "nt", reason="closes and limits POSIX streams")
@@ -59,7 +60,8 @@ def test_stopping_leaves_nothing_behind(device_folder, tmp_path, sign):
     scratch.mkdir()
     words = [*LEAKLINE, "process", str(device_folder), "--out", str(tmp_path / "out")]
     own = {**os.environ, "TMPDIR": str(scratch)}
-    with subprocess.Popen(words, env=own, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+    running = subprocess.Popen(words, env=own, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    with ended_after(running, 120.0):
         for _ in range(3000):
             if any(scratch.glob("leakline-*")) or running.poll() is not None:
                 break

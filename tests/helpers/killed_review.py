@@ -13,6 +13,8 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from deadline import ended_after
+
 from processing.storage.database import damage
 from processing.storage.folder import SurveyFolder
 from processing.storage.plain import from_plain, to_plain
@@ -54,12 +56,12 @@ def kill_once(path: Path, seed: int) -> int:
     command = [sys.executable, __file__, str(path), str(seed)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, encoding="utf-8")
     assert process.stdout is not None
-    ready = process.stdout.readline()
-    time.sleep(random.Random(seed).uniform(0.0, 0.25))
-    process.kill()
-    told = process.stdout.read().splitlines(keepends=True)
-    process.stdout.close()
-    process.wait()
+    with ended_after(process, 60.0):
+        ready = process.stdout.readline()
+        time.sleep(random.Random(seed).uniform(0.0, 0.25))
+        process.kill()
+        told = process.stdout.read().splitlines(keepends=True)
+        process.stdout.close()
     assert ready == '"ready"\n', "the reviewer did not start"
     complete = [json.loads(line) for line in told if line.endswith("\n")]
     with SurveyFolder.open(path) as folder:
