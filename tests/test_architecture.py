@@ -18,7 +18,9 @@ def modules():
 
 def test_imports_go_one_way():
     script = "from importlinter.cli import lint_imports_command; lint_imports_command()"
-    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -30,7 +32,9 @@ def test_processing_imports_without_qt():
         "bad = {m.split('.')[0] for m in sys.modules}&{'PySide6', 'pyqtgraph', 'sounddevice', 'app', 'widgets'}\n"
         "assert not bad, bad"
     )
-    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
+    )
     assert done.returncode == 0, done.stderr
 
 

@@ -128,7 +128,9 @@ def test_nothing_of_lupdate_is_missing(translate, tmp_path):
     """Qt's own collector overlooks some texts, but must not find one that ours does not."""
     program = shutil.which("pyside6-lupdate", path=str(Path(sys.executable).parent))
     files = [str(path) for package in translate.SOURCES for path in sorted((ROOT / package).rglob("*.py"))]
-    subprocess.run([program, "-silent", "-locations", "none", *files, "-ts", str(tmp_path / "qt.ts")], check=True)
+    subprocess.run(
+        [program, "-silent", "-locations", "none", *files, "-ts", str(tmp_path / "qt.ts")], timeout=120, check=True
+    )
     found = set(translate.read_ts(tmp_path / "qt.ts"))
     assert len(found) > 200
     assert found <= translate.collect(ROOT)

@@ -114,7 +114,7 @@ def test_processing_loads_no_window(device_folder, tmp_path):
         f"assert run(['process', {str(device_folder)!r}, '--out', {str(tmp_path)!r}]) == 0\n"
         "assert not [m for m in sys.modules if m.startswith(('PySide6', 'pyqtgraph'))]"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
 
 

@@ -161,5 +161,5 @@ def test_the_window_shows_before_any_heavy_library_is_read():
         "heavy = {'scipy', 'pyproj', 'matplotlib', 'vqf'} & {name.split('.')[0] for name in sys.modules}\n"
         "assert not heavy, heavy"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr

@@ -298,7 +298,7 @@ def test_what_a_killed_process_left_of_a_resumable_build_is_taken_up_by_the_next
         f"Cache(Path({str(cache.root)!r})).put('scan', 'a-b', build, resumable=True)"
     )
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    assert subprocess.run([sys.executable, "-c", script], env=env, check=False).returncode < 0
+    assert subprocess.run([sys.executable, "-c", script], env=env, timeout=60, check=False).returncode < 0
     seen = []
     cache.put("scan", "a-b", lambda place: seen.append([p.name for p in place.iterdir()]), resumable=True)
     assert seen == [["half"]]

@@ -99,7 +99,7 @@ def test_of_many_that_find_a_dead_lock_exactly_one_gets_it(tmp_path, dead_pid):
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join()
+        thread.join(60)
     assert len(got) == 1
     assert lost == [ErrorCode.SURVEY_LOCKED] * 7
 

@@ -93,7 +93,7 @@ def test_a_disc_that_is_really_full_loses_nothing(tmp_path, request):
     disc.mkdir()
     large.write_bytes(bytes(4_000_000))
     mount = ["unshare", "-rm", "sh", "-c", 'mount -t tmpfs -o size=2m none "$0" && exec "$@"', str(disc)]
-    if subprocess.run([*mount, "true"], capture_output=True, check=False).returncode != 0:
+    if subprocess.run([*mount, "true"], capture_output=True, timeout=60, check=False).returncode != 0:
         pytest.skip("this system lets nobody but root mount a disc")
     command = [
         *mount,
