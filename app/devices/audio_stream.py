@@ -11,7 +11,7 @@ from app.devices import portaudio
 from app.devices.audio_devices import AudioDevice
 from processing.errors import ErrorCode, LeaklineError
 
-LATENCY_S = 0.3  # a busy laptop must not lose sound; the window is not slower for it, blocks come four times as often
+LATENCY_S = 0.4  # of room for a busy computer; ALSA makes even blocks of a quarter of it
 RATE_TOLERANCE = 0.005  # cards know their rate to 200 ppm; more is another rate
 _BYTES = 4  # int32
 _WASAPI = "Windows WASAPI"

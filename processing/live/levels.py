@@ -74,20 +74,16 @@ class LevelMeter:
         whole, self._begun = together[: count * self._cell], together[count * self._cell :].copy()
         if not count:
             return
-        sound = (whole.astype(np.float32) * np.float32(1 / _FULL)).reshape(count, self._cell, self._channels)
-        cells = np.stack(
-            [
-                sound.sum(axis=1, dtype=np.float64),
-                np.einsum("ijk,ijk->ik", sound, sound, dtype=np.float64),
-                sound.min(axis=1),
-                sound.max(axis=1),
-            ],
-            axis=1,
-        )
+        # channel by channel: sums along neighbouring samples are ten times faster
+        sound = np.multiply(whole.T, np.float32(1 / _FULL), dtype=np.float32, order="C")
+        sound = sound.reshape(self._channels, count, self._cell)
+        lowest, highest = sound.min(axis=2), sound.max(axis=2)
+        squares = np.einsum("ijk,ijk->ij", sound, sound)
+        cells = np.stack([sound.sum(axis=2), squares, lowest, highest]).astype(np.float64)
         with self._lock:
-            for cell in cells:
-                self._take(cell)
-        self._look_for_flat_tops(sound)
+            for nth in range(count):
+                self._take(cells[:, :, nth])
+        self._look_for_flat_tops(sound, max(-float(lowest.min()), float(highest.max())))
 
     def levels(self) -> Levels:
         """Return the levels at the end of what was taken."""
@@ -118,27 +114,28 @@ class LevelMeter:
         self._held[falling] *= self._fall
         higher = peak >= self._held
         self._held[higher], self._held_for[higher] = peak[higher], 0
-        stands = np.array_equal(cell[2], cell[3]) and (
-            self._still_at is None or np.array_equal(cell[2], self._still_at)
-        )
-        self._still = self._still + 1 if stands else 0
-        self._still_at = cell[2] if np.array_equal(cell[2], cell[3]) else None
+        is_still = bool((cell[2] == cell[3]).all())
+        goes_on = is_still and self._still_at is not None and bool((cell[2] == self._still_at).all())
+        self._still = self._still + 1 if goes_on else int(is_still)
+        self._still_at = cell[2] if is_still else None
 
-    def _look_for_flat_tops(self, sound: npt.NDArray[np.float32]) -> None:
+    def _look_for_flat_tops(self, sound: npt.NDArray[np.float32], peak: float) -> None:
         """Latch the lamp of channels that clip: at full scale at once, below it once a second of sound is there."""
-        if float(np.abs(sound).max()) >= FULL_SCALE:
+        if peak >= FULL_SCALE:
             self._latch(sound)
         self._for_clip.append(sound)
-        self._for_clip_cells += len(sound)
-        if self._for_clip_cells >= self._clip_cells:
-            self._latch(np.concatenate(self._for_clip))
-            self._for_clip, self._for_clip_cells = [], 0
+        self._for_clip_cells += sound.shape[1]
+        if self._for_clip_cells < self._clip_cells:
+            return
+        together = np.concatenate(self._for_clip, axis=1)
+        while together.shape[1] >= self._clip_cells:
+            self._latch(together[:, : self._clip_cells])
+            together = together[:, self._clip_cells :]
+        self._for_clip, self._for_clip_cells = [together], together.shape[1]
 
     def _latch(self, sound: npt.NDArray[np.float32]) -> None:
-        lowest, highest = sound.min(axis=1), sound.max(axis=1)
-        for channel in range(self._channels):
-            samples = np.ascontiguousarray(sound[:, :, channel]).reshape(-1)
-            stands, _ = clipped_at(samples, lowest[:, channel], highest[:, channel])
+        for channel, of_channel in enumerate(sound):
+            stands, _ = clipped_at(of_channel.reshape(-1), of_channel.min(axis=1), of_channel.max(axis=1))
             if stands is not None and stands.any():
                 with self._lock:
                     self._clipped[channel] = True
