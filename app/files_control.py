@@ -274,6 +274,7 @@ class FilesControl(QObject):
     def _take_results(self, results: "Results", show: str) -> None:
         from app.marking import candidate_at
 
+        opening.complete(self._session.folder, results)
         try:
             self._session.set_results(
                 results, relocate=lambda mark: replace(candidate_at(results, mark.time_s), id=mark.id)

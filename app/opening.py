@@ -72,6 +72,16 @@ def results_of(source: Source, progress: Progress, growing: "GrowingPass | None"
     return process(source.survey, recording, settings, source.cache, progress.part(0.3, 1.0), growing)
 
 
+def complete(folder: SurveyFolder | None, results: "Results") -> None:
+    """Store the sums of a live recording that was not ended properly, now that its files have been read."""
+    if folder is None or folder.read_only:
+        return
+    try:
+        folder.complete_recording(results.recording.files)
+    except LeaklineError as error:  # the results count all the same; the next opening tries it again
+        log.warning("the sums were not stored: %s", error)
+
+
 @dataclass(frozen=True)
 class FirstLook:
     """What a look at the sound needs before anything is processed; ``growing`` hears how far the processing is."""

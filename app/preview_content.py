@@ -19,6 +19,7 @@ _ROLES = {
     "imu": str(QT_TRANSLATE_NOOP("Preview", "motion")),
     "audio": str(QT_TRANSLATE_NOOP("Preview", "sound")),
     "survey": str(QT_TRANSLATE_NOOP("Preview", "form")),
+    "journal": str(QT_TRANSLATE_NOOP("Preview", "journal")),
 }
 _NOT_USED = str(QT_TRANSLATE_NOOP("Preview", "not used"))
 

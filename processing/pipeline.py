@@ -32,6 +32,7 @@ from processing.sound.coarse import GrowingPass
 from processing.sound.scan import SoundScan, scan
 from processing.storage.cache import Cache, cached
 from processing.storage.cache_facts import load_facts, loader, save_facts
+from processing.storage.unfinished import with_sums
 from processing.survey import (
     Attitude,
     AudioInfo,
@@ -84,10 +85,14 @@ def read_recording(
 ) -> Recording:
     """Return the recording in ``path``; ``files`` with known hashes let the cache answer without reading them.
 
+    Those of a live recording that was not ended have none yet: theirs are counted first, so that what grows meanwhile,
+    or has grown, is never taken for what the cache holds.
+
     Raises:
         LeaklineError: whatever :func:`processing.importing.folder.import_folder` finds that cannot be mended.
     """
     progress = progress or silent()
+    files = with_sums(files, told=lambda _: progress.update(0.0, "import_hashing"))
 
     def compute() -> Recording:
         return import_folder(path, options, settings, progress, files)

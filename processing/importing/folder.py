@@ -110,7 +110,7 @@ def _open_sound(
 def _hashed(
     files: list[tuple[Path, str]], progress: Progress, known: tuple[ImportedFile, ...]
 ) -> tuple[ImportedFile, ...]:
-    hashes = {(file.path.absolute(), file.size): file.sha256 for file in known}
+    hashes = {(file.path.absolute(), file.size): file.sha256 for file in known if file.sha256}
     total = max(sum(f.stat().st_size for f, _ in files), 1)
     done = 0
     out = []

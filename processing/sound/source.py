@@ -22,6 +22,7 @@ _MAGICS = (*WAVE_MAGICS, b"fLaC", b"OggS", b"FORM", b"caff", b".snd", b"riff", b
 _RATE_RANGE_HZ = (1000.0, 1_000_000.0)
 _MAX_CHANNELS = 64
 _MAX_DURATION_S = 14 * 86400.0  # a longer claim is a damaged header; streaming it would never end
+_HARDLY_BEGUN_BYTES = 65536  # less than a second of sound
 _COUNT_BLOCK = 65536
 _COUNT_FINE = 1024
 
@@ -43,7 +44,7 @@ def open_audio(
     if not paths:
         raise ValueError("no path given")
     findings: list[Finding] = []
-    opened = [_open_part(Path(path), raw_form, findings) for path in paths]
+    opened = _open_parts([Path(path) for path in paths], raw_form, findings)
     _, rate, channels = opened[0]
     for part, other_rate, other_channels in opened[1:]:
         if (other_rate, other_channels) != (rate, channels):
@@ -178,6 +179,19 @@ def _name_of(path: Path) -> str | bytes:
 
 
 _Opened = tuple[AudioPart, float, int]  # part, sample rate, channels
+
+
+def _open_parts(paths: list[Path], raw_form: RawForm | None, findings: list[Finding]) -> list[_Opened]:
+    """Open all parts; a last one that the power cut left with hardly more than its header does not cost the others."""
+    opened = []
+    for path in paths:
+        try:
+            opened.append(_open_part(path, raw_form, findings))
+        except LeaklineError:
+            if path is not paths[-1] or not opened or not path.is_file() or path.stat().st_size > _HARDLY_BEGUN_BYTES:
+                raise
+            findings.append(Finding("audio_part_hardly_begun", Severity.WARNING, {"file": path.name}))
+    return opened
 
 
 def _open_part(path: Path, raw_form: RawForm | None, findings: list[Finding]) -> _Opened:

@@ -2328,6 +2328,10 @@
         <translation>form</translation>
     </message>
     <message>
+        <source>journal</source>
+        <translation>kayıt günlüğü</translation>
+    </message>
+    <message>
         <source>motion</source>
         <translation>hareket</translation>
     </message>
