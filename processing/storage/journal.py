@@ -31,6 +31,7 @@ class JournalEvent(StrEnum):
     PART = "part"  # stream: sound | motion, file, first_frame or first_time_us
     CLOCK = "clock"  # start_time_s, drift_ppm, start_sigma_s, drift_sigma_ppm: the sound's clock as known by now
     MARK = "mark"  # the fields of a TiePoint
+    AMENDED = "amended"  # name, time_s of a mark; now: the fields it has now, None where it was taken back
     SOUND_STATE = "sound_state"  # state: LinkState, device
     SOUND_GAP = "sound_gap"  # frame, frames, reason: as many zeros stand in the file from that frame on
     MOTION_STATE = "motion_state"  # state: LinkState, device

@@ -50,6 +50,9 @@ class Keeper:
         self._lines: list[JournalLine] = []
         self._survey = survey
         self._is_stored, self._is_urgent = True, False
+        self._is_now_stored = threading.Condition(self._lock)
+        self._changes = self._stored_changes = 0
+        self._is_over = False
         self._folder: SurveyFolder | None = None
         self._streams: Streams | None = None
         self._journal: GrowingFile | None = None
@@ -95,9 +98,17 @@ class Keeper:
         """Change the survey; it is stored at once if ``urgent``, else with the next sync."""
         with self._lock:
             self._survey, self._is_stored = changed(self._survey), False
+            self._changes += 1
             self._is_urgent |= urgent
         if urgent:
             self._ending.wake.set()
+
+    def wait_stored(self, timeout_s: float) -> bool:
+        """Wait until the survey with all changes until now is on the disc; False if that takes longer, or fails."""
+        with self._lock:
+            wanted = self._changes
+            self._is_now_stored.wait_for(lambda: self._stored_changes >= wanted or self._is_over, timeout_s)
+            return self._stored_changes >= wanted
 
     def set_clock(self, clock: Clock) -> None:
         """Keep how the sound's clock goes: stored after ten seconds, then every ten minutes, and at the end."""
@@ -120,6 +131,9 @@ class Keeper:
         except BaseException as error:  # noqa: BLE001  # nothing may end this thread without ending the recording
             self._ending.fail_by_bug(error, self.path)
         self._end()
+        with self._lock:
+            self._is_over = True
+            self._is_now_stored.notify_all()
 
     def _open(self) -> None:
         self._folder = SurveyFolder.open(self.path)
@@ -165,6 +179,7 @@ class Keeper:
     def _store_survey(self) -> None:
         with self._lock:
             survey, is_stored, self._is_stored = self._survey, self._is_stored, True
+            changes = self._changes
         if is_stored or self._folder is None:
             return
         try:
@@ -174,6 +189,10 @@ class Keeper:
                 self._is_stored = False
             if error.code is not ErrorCode.SURVEY_LOCKED:  # somebody reads it for long: the next second will do
                 raise
+            return
+        with self._lock:
+            self._stored_changes = changes
+            self._is_now_stored.notify_all()
 
     def _take_clock(self, *, is_last: bool = False) -> None:
         clock, now = self._clock, time.monotonic()

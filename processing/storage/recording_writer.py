@@ -151,6 +151,21 @@ class RecordingWriter:
         values = {field.name: getattr(point, field.name) for field in fields(point)}
         self._keeper.note(JournalEvent.MARK, values, urgent=True)
 
+    def amend(self, old: TiePoint, new: TiePoint | None) -> None:
+        """Put ``new`` in the place of a known place, or take it back where ``new`` is None."""
+
+        def amended(survey: Survey) -> Survey:
+            points = (new if point == old else point for point in survey.tie_points)
+            return replace(survey, tie_points=tuple(point for point in points if point is not None))
+
+        self._keeper.change(amended, urgent=True)
+        values = None if new is None else {field.name: getattr(new, field.name) for field in fields(new)}
+        self._keeper.note(JournalEvent.AMENDED, {"name": old.name, "time_s": old.time_s, "now": values}, urgent=True)
+
+    def wait_stored(self, timeout_s: float) -> bool:
+        """Wait until the survey as it is now is on the disc; False if that takes longer, or the recording has ended."""
+        return self._keeper.wait_stored(timeout_s)
+
     def set_clock(self, clock: ClockNumbers) -> None:
         """Keep how the sound's clock goes; stored after ten seconds, then every ten minutes, and at the end."""
         start_s, ppm = float(clock.start_time_s), float(clock.drift_ppm)
