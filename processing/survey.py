@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from processing.live.check_sheet import CheckSheet
+
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 Params = Mapping[str, str | float]
@@ -312,6 +314,7 @@ class Recording:
     findings: tuple[Finding, ...] = ()
     not_assessed: tuple[Stretch, ...] = ()
     files: tuple[ImportedFile, ...] = ()
+    sheets: tuple[CheckSheet, ...] = ()  # of the checks before the launch and at the end
 
 
 # --- what is derived ----------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from processing.survey import Params
+Params = Mapping[str, str | float]  # as in the vocabulary, which has a place for sheets
 
 MAX_ITEMS = 60
 _LONGEST_TEXT = 200

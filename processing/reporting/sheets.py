@@ -8,6 +8,8 @@ import numpy as np
 
 from processing import messages
 from processing.coordinates import is_local
+from processing.live.check_sheet import CheckSheet
+from processing.live.check_words import item_sentence, item_title, light_word
 from processing.position.tie_checks import TieCheck
 from processing.reporting.content import LeakRow, ReportContent, verdict_counts
 from processing.reporting.figures import VERDICT_COLOURS
@@ -54,8 +56,25 @@ def page_data(content: ReportContent, language: str) -> dict[str, Any]:
         "sheets": [sheet(row, content, words) for row in sheets],
         "unassessed": [unassessed_row(part, words) for part in content.unassessed],
         "findings": [messages.finding_sentence(finding, language) for finding in results.findings],
+        "checks": [check_table(check, words) for check in results.recording.sheets],
         "files": [[f"{file.path.name} ({file.size / 1e6:.1f} MB)", file.sha256] for file in results.recording.files],
     }
+
+
+def check_table(check: CheckSheet, words: Words) -> dict[str, Any]:
+    """Return a check's title and its rows: light as key and word, what was checked, what was found."""
+    language = words.language
+    rows = [
+        {
+            "light": item.light.value,
+            "word": light_word(item.light, language),
+            "title": item_title(item, language),
+            "found": item_sentence(item, language),
+        }
+        for item in check.items
+    ]
+    title = words("check_end_title" if check.kind == "end" else "check_title")
+    return {"title": title, "when": check.utc.replace("T", " ").removesuffix("+00:00"), "rows": rows}
 
 
 def rows_with_sheet(content: ReportContent) -> list[LeakRow]:
