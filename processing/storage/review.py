@@ -70,6 +70,7 @@ class ReviewStore:
 
     def __init__(self, database: Database) -> None:
         self._db = database
+        self._highest_number: int | None = None  # that a candidate was ever called by, once it was asked for
 
     # --- runs and candidates
 
@@ -269,15 +270,20 @@ class ReviewStore:
             number = numbers.get(candidate.id, free)
             free += number == free
             out.append(replace(candidate, number=number))
+        self._highest_number = free - 1
         return out
 
     def _next_number(self) -> int:
-        """Return the first number that nothing in this survey was ever called by."""
-        rows = self._db.rows("SELECT id, value FROM candidates")
-        return max((self._candidate(row).label for row in rows), default=0) + 1
+        """Return the first number that nothing in this survey was ever called by; all are read but once."""
+        if self._highest_number is None:
+            rows = self._db.rows("SELECT id, value FROM candidates")
+            self._highest_number = max((self._candidate(row).label for row in rows), default=0)
+        return self._highest_number + 1
 
     def _insert_manual(self, db: Connection, run_id: int, candidate: Candidate) -> Candidate:
         candidate = candidate if candidate.number else replace(candidate, number=self._next_number())
+        if self._highest_number is not None:
+            self._highest_number = max(self._highest_number, candidate.number)
         stored = _insert_candidate(db, run_id, candidate)
         db.execute("INSERT INTO manual_candidates (candidate_id) VALUES (?)", (stored.id,))
         return stored
