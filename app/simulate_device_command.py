@@ -11,7 +11,9 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Self
 
+from app.devices.audio_spec import AudioChoice
 from app.devices.simulated.faults import Fault, FaultKind, FaultPlan, parse_faults
 from app.devices.simulated.player import TapePlayer
 from app.devices.simulated.ports import Port, open_port
@@ -68,7 +70,7 @@ def simulate_device(
         )
     stop = stop or threading.Event()
     with ExitStack() as stack:
-        stack.enter_context(_Stopping(stop))
+        stopping = stack.enter_context(_Stopping(stop))
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="leakline-", ignore_cleanup_errors=True)))
         ball = open_ball(words.source, _wanted(words, plan), scratch, progress)
         if has_sound and ball.sound is None:
@@ -83,6 +85,7 @@ def simulate_device(
         sender = _sender(words, plan, reel, port, ball, player, truth, say)
         stack.callback(sender.stop)
         _announce(words, port, ball, server, say)
+        stopping.arm()
         sender.start()
         _wait(sender, player, stop, words.seconds)
 
@@ -148,7 +151,9 @@ def _announce(
     environment: Mapping[str, str] = {} if server is None else server.environment
     protocol = words.protocol.removesuffix("-binary")
     imu = f"{port.spec},protocol={protocol}"
-    audio = "none" if server is None else f"default@{ball.sound.rate_hz}" if ball.sound is not None else "none"
+    audio = "none"
+    if server is not None and ball.sound is not None:
+        audio = str(AudioChoice(rate_hz=ball.sound.rate_hz, channels=ball.sound.channels))
     line = {
         "imu": imu, "audio": audio, "environment": dict(environment), "imu_rate_hz": round(ball.imu.sample_rate_hz, 3),
         "audio_rate_hz": None if ball.sound is None else ball.sound.rate_hz,
@@ -173,25 +178,32 @@ def _wait(sender: RowSender, player: TapePlayer | None, stop: threading.Event, s
 
 
 class _Stopping:
-    """Ctrl+C and SIGTERM end the run, tidily; a second Ctrl+C is as usual."""
+    """Lets Ctrl+C and SIGTERM interrupt the preparations, and end the sending tidily; a second one is as usual."""
 
     def __init__(self, stop: threading.Event) -> None:
         self._stop = stop
-        self._before: dict[int, object] = {}
+        self._before: dict[int, Any] = {}
+        self._is_armed = False
 
-    def __enter__(self) -> None:
-        if threading.current_thread() is not threading.main_thread():
-            return
-        for number in (signal.SIGINT, signal.SIGTERM):
-            self._before[number] = signal.signal(number, self._asked)
+    def arm(self) -> None:
+        """From now on it is sent."""
+        self._is_armed = True
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._before[number] = signal.signal(number, self._asked)
+        return self
 
     def _asked(self, number: int, _frame: object) -> None:
+        signal.signal(number, self._before[number])
+        if not self._is_armed:
+            raise KeyboardInterrupt
         self._stop.set()
-        signal.signal(number, self._before[number])  # type: ignore[arg-type]
 
     def __exit__(self, *_: object) -> None:
         for number, handler in self._before.items():
-            signal.signal(number, handler)  # type: ignore[arg-type]
+            signal.signal(number, handler)
 
 
 def print_line(line: str) -> None:

@@ -151,7 +151,8 @@ class FaultyRows:
         frames = self._counted(frames, run_s)
         for fault in self._due_once(FaultKind.ABSURD_TIME, run_s):
             frames.time_us[np.searchsorted(run_s, fault.at_s)] += np.uint64(ABSURD_US)
-        fates = np.full(len(run_s), Fate.SENT, object)
+        fates = np.empty(len(run_s), object)
+        fates.fill(Fate.SENT)  # np.full would make plain text of it
         fates[self._hit(run_s, FaultKind.LOST)] = Fate.LOST
         fates[self._within(run_s, self.plan.of(FaultKind.UNPLUG))] = Fate.UNPLUGGED
         due_s = run_s.copy()

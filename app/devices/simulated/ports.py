@@ -7,6 +7,7 @@ import os
 import select
 import socket
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Any, Protocol
 from processing.errors import ErrorCode, LeaklineError
 
 _DATAGRAM_BYTES = 1400  # fits an Ethernet frame
-_LARGEST_PENDING = 1 << 16
+_SETTLE_S = 0.1  # who opens a serial port throws away what is in it
 
 
 class Port(Protocol):
@@ -54,7 +55,8 @@ class PtyPort:
         self._link = link
         self._master = -1
         self._rest = b""
-        self.is_fresh, self._was_heard = False, False
+        self.is_fresh = False
+        self._open_since: float | None = None
         self.replug()
         self.spec = f"serial:{link or self.path}"
 
@@ -86,27 +88,28 @@ class PtyPort:
         """Close the terminal and take its link away, as the system does with a serial adapter's."""
         if self._master >= 0:
             os.close(self._master)
-        self._master, self._rest, self._was_heard = -1, b"", False
+        self._master, self._rest, self._open_since = -1, b"", None
         if self._link is not None and self._link.is_symlink():
             self._link.unlink()
 
     close = unplug
 
     def is_heard(self) -> bool:
-        """Return whether the other side is open."""
-        heard = False
+        """Return whether the other side is open, for a moment already."""
+        is_open = False
         if self._master >= 0:
             poll = select.poll()
             poll.register(self._master, select.POLLIN)
             events = dict(poll.poll(0)).get(self._master, 0)
-            heard = not events & select.POLLHUP
+            is_open = not events & select.POLLHUP
             if events & select.POLLIN:
                 with suppress(OSError):
                     os.read(self._master, 4096)  # what the host says to the device
-        self.is_fresh |= heard and not self._was_heard
-        self._rest = self._rest if heard else b""
-        self._was_heard = heard
-        return heard
+        if not is_open:
+            self._rest, self._open_since = b"", None
+        elif self._open_since is None:
+            self._open_since, self.is_fresh = time.monotonic(), True
+        return self._open_since is not None and time.monotonic() - self._open_since >= _SETTLE_S
 
     def write(self, pieces: Sequence[bytes]) -> int:
         """Write what fits; the end of a piece that did not is kept and goes first."""
@@ -150,7 +153,7 @@ class TcpPort:
 
     def unplug(self) -> None:
         """Cut the connection and listen no more."""
-        for one in (self._peer, self._server):
+        for one in (self._server, self._peer):  # in this order: who is cut off may be quick to come back
             if one is not None:
                 one.close()
         self._peer = self._server = None

@@ -9,7 +9,8 @@ carries the rate), a TCP server or UDP datagrams; a sample is sent when it is ta
     sample, so new balls should speak it.
 ``csv``
     Text lines of the columns of the survey folder's ``imu.csv``, parted by commas, after one header line that names
-    them; here with ``counter`` as last one. Send the header after each start and connection, over UDP once a second.
+    them; here with ``counter`` as last one. Send the header first, and again each second: who begins to listen later
+    would not know the columns.
 ``ximu3``, ``ximu3-binary``
     The messages of xio's x-IMU3 (User Manual, "Communication protocol"): inertial ``I``, magnetometer ``M``,
     quaternion ``Q``, temperature ``T``, as ASCII lines or as stuffed binary messages. Device time, no counter, no sum.
@@ -136,18 +137,19 @@ class Ximu3Encoder:
     def encode(self, frames: Frames) -> list[bytes]:
         """Return the messages of each sample."""
         rates, force = _in("gyr", "dps", frames.gyr_s_radps), _in("acc", "g", frames.acc_s_mps2)
-        tables = {"I": np.column_stack([rates, force])}
+        tables = {}
         if np.isfinite(frames.mag_s_ut).any():
             tables["M"] = _in("mag", "au", frames.mag_s_ut)
         if np.isfinite(frames.quat_ws).any():
             tables["Q"] = np.asarray(frames.quat_ws, np.float64)
+        tables["I"] = np.column_stack([rates, force])  # last: what came before belongs to it
         times = frames.time_us.tolist()
         each = [[self._message(k, t, v) for t, v in zip(times, table)] for k, table in tables.items()]
         rows = [b"".join(messages) for messages in zip(*each)]
         if np.isfinite(frames.temperature_c).any():
             for row in np.flatnonzero(frames.counter % _TEMPERATURE_EVERY == 0).tolist():
                 value = np.array([frames.temperature_c[row]], np.float64)
-                rows[row] += self._message("T", times[row], value)
+                rows[row] = self._message("T", times[row], value) + rows[row]
         return rows
 
 

@@ -19,7 +19,7 @@ log = logging.getLogger(__name__)
 
 _BLOCK_S = 0.25  # encoded at once
 _LOOK_S = 0.02  # at least so often it is looked who listens
-_LINGER_S = 0.3  # what was written last is read before the port goes
+_LINGER_S = 0.2  # what was written last is read before the port goes
 _HEADER_EVERY_S = 1.0
 
 
@@ -152,8 +152,7 @@ class RowSender:
 
     def _header_is_due(self) -> bool:
         now = time.monotonic()
-        is_repeated = self._port.spec.startswith("udp:") and now >= self._header_due
-        if not (self._port.is_fresh or is_repeated):
+        if not self._port.is_fresh and now < self._header_due:
             return False
         self._port.is_fresh, self._header_due = False, now + _HEADER_EVERY_S
         return True

@@ -10,7 +10,8 @@ from typing import Any, Protocol
 import numpy as np
 import soundfile
 
-from app.devices.simulated.sound_server import SoundServer
+from app.devices import portaudio
+from app.devices.simulated.sound_server import DIES_WITH_US, SoundServer
 from app.devices.simulated.source import SoundArray
 from processing.errors import ErrorCode, LeaklineError, Place
 
@@ -127,7 +128,7 @@ class SinkOut(_Unplugged):
         words = ["--raw", f"--device={sink}", "--format=float32le", f"--rate={rate_hz}", f"--channels={channels}"]
         try:
             self._player = subprocess.Popen(
-                ["pacat", "--playback", f"--latency-msec={_LATENCY_MS}", *words],
+                [*DIES_WITH_US, "pacat", "--playback", f"--latency-msec={_LATENCY_MS}", *words],
                 stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
             )  # fmt: skip
         except OSError as error:
@@ -155,20 +156,21 @@ class OutputOut(_Unplugged):
     """An output that PortAudio knows, by a part of its name: a virtual cable, or a loudspeaker beside a microphone.
 
     Raises:
-        LeaklineError: SIMULATED_SOUND_FAILED.
+        LeaklineError: SIMULATED_SOUND_FAILED, SOUND_LIBRARY_MISSING.
     """
 
     sets_pace = True
 
     def __init__(self, name: str, rate_hz: int, channels: int) -> None:
+        sounddevice = portaudio.library()
+        self._hold = portaudio.Hold()
         try:
-            import sounddevice
-
             self._stream: Any = sounddevice.RawOutputStream(
                 samplerate=rate_hz, channels=channels, dtype="float32", latency=0.5, device=name or None
             )
             self._stream.start()
-        except Exception as error:  # no library (OSError), no such device (ValueError, PortAudioError)
+        except Exception as error:  # no such device: ValueError; PortAudioError derives from Exception directly
+            self._hold.release()
             raise _failed(str(error)) from error
 
     def write(self, frames: SoundArray) -> int:
@@ -181,8 +183,11 @@ class OutputOut(_Unplugged):
 
     def close(self) -> None:
         """Stop at once."""
-        self._stream.abort()
-        self._stream.close()
+        try:
+            self._stream.abort()
+            self._stream.close()
+        finally:
+            self._hold.release()
 
 
 class FileOut(_Unplugged):

@@ -17,6 +17,8 @@ from typing import Self
 
 from processing.errors import ErrorCode, LeaklineError
 
+# ended by the kernel when we end, however that happens
+DIES_WITH_US = ("setpriv", "--pdeathsig", "TERM") if shutil.which("setpriv") else ()
 SOURCE_NAME = "leakline_ball"
 _READY_S = 10.0
 _COMMAND_S = 5.0
@@ -48,8 +50,8 @@ class SoundServer:
         own = {"HOME": str(self._folder), "XDG_RUNTIME_DIR": str(self._folder), "PULSE_RUNTIME_PATH": str(self._folder)}
         self._server = subprocess.Popen(
             [
-                "pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--disallow-exit", "--use-pid-file=no",
-                "--realtime=no", "--high-priority=no", "--log-level=error",
+                *DIES_WITH_US, "pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--disallow-exit",
+                "--use-pid-file=no", "--realtime=no", "--high-priority=no", "--log-level=error",
                 "-L", f"module-native-protocol-unix socket={self._socket} auth-anonymous=1 auth-cookie-enabled=0",
                 "-L", self._microphone,
             ],
