@@ -4,10 +4,16 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 import sound_server as sound_server_helper
 
 # set before Qt is first imported; a test that needs a real screen starts its own
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+# the same examples each time, however busy the machine is; new ones are looked for with --hypothesis-profile=searching
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("searching", deadline=None)
+settings.load_profile("same")
 
 ROOT = Path(__file__).resolve().parent.parent
 
