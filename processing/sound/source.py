@@ -188,10 +188,20 @@ def _open_parts(paths: list[Path], raw_form: RawForm | None, findings: list[Find
         try:
             opened.append(_open_part(path, raw_form, findings))
         except LeaklineError:
-            if path is not paths[-1] or not opened or not path.is_file() or path.stat().st_size > _HARDLY_BEGUN_BYTES:
+            if path is not paths[-1] or not opened or not _is_hardly_begun(path):
                 raise
             findings.append(Finding("audio_part_hardly_begun", Severity.WARNING, {"file": path.name}))
     return opened
+
+
+def _is_hardly_begun(path: Path) -> bool:
+    """Whether the file is hardly more than a header, or nothing but the zeros that a power cut leaves on some discs."""
+    if not path.is_file():
+        return False
+    if path.stat().st_size <= _HARDLY_BEGUN_BYTES:
+        return True
+    with path.open("rb") as file:
+        return not any(file.read(_HARDLY_BEGUN_BYTES))
 
 
 def _open_part(path: Path, raw_form: RawForm | None, findings: list[Finding]) -> _Opened:
