@@ -72,6 +72,8 @@ def simulate_device(
     with ExitStack() as stack:
         stopping = stack.enter_context(_Stopping(stop))
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="leakline-", ignore_cleanup_errors=True)))
+        port = open_port(words.imu)
+        stack.callback(port.close)
         ball = open_ball(words.source, _wanted(words, plan), scratch, progress)
         if has_sound and ball.sound is None:
             raise LeaklineError(ErrorCode.SIMULATED_SOUND_FAILED, reason=f"{ball.name} has no sound")
@@ -81,7 +83,6 @@ def simulate_device(
         truth = None if words.truth is None else stack.enter_context(TruthFile(words.truth))
         reel = RowReel(ball.imu, loop=words.loop)
         player = _player(words, plan, ball, reel, server, truth, stack)
-        port = open_port(words.imu)
         sender = _sender(words, plan, reel, port, ball, player, truth, say)
         stack.callback(sender.stop)
         _announce(words, port, ball, server, say)

@@ -99,6 +99,9 @@ class SoundServer:
         """Take the microphone away; recordings of it end."""
         if not self._pactl("unload-module", "module-pipe-source"):
             raise _failed("PulseAudio does not take the microphone away")
+        deadline = time.monotonic() + _COMMAND_S
+        while self.pipe.exists() and time.monotonic() < deadline:  # it is unloaded after the answer
+            time.sleep(0.01)
 
     def replug(self) -> None:
         """Bring the microphone back."""
