@@ -64,6 +64,7 @@ class ErrorCode(StrEnum):
     CORRELATION_NO_EVENT = "correlation_no_event"
     CORRELATION_SESSION_DAMAGED = "correlation_session_damaged"
     CORRELATION_SESSION_NEWER = "correlation_session_newer"
+    IMU_SPEC_INVALID = "imu_spec_invalid"
     SOUND_LIBRARY_MISSING = "sound_library_missing"
     SOUND_SPEC_INVALID = "sound_spec_invalid"
     SOUND_NO_INPUT = "sound_no_input"

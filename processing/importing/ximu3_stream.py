@@ -24,6 +24,9 @@ WIDTHS = {"I": 6, "M": 3, "Q": 4, "T": 1}  # the kinds that are read, and how ma
 _END, _ESCAPE = b"\n", b"\xdb"
 _STUFFED = ((b"\xdb\xdc", b"\n"), (b"\xdb\xdd", b"\xdb"))
 _LONGEST = 2000  # a notification may be long; without an end in so many bytes it is no such stream
+_LAYOUTS = {
+    kind: np.dtype([("kind", "u1"), ("time_us", "<u8"), ("values", "<f4", (width,))]) for kind, width in WIDTHS.items()
+}
 _FIXED_LENGTHS = {kind: 9 + 4 * width for kind, width in WIDTHS.items()}
 _OTHERS = frozenset("HRALEBWSNF")  # documented kinds that say nothing of use here
 _HEAD_BYTES = 1 << 16
@@ -98,9 +101,10 @@ def _numbers(message: bytes, width: int) -> list[float] | None:
 
 
 def _table(kind: str, binary: list[bytes], text: list[list[float]]) -> FloatArray:
-    layout = np.dtype([("kind", "u1"), ("time_us", "<u8"), ("values", "<f4", (WIDTHS[kind],))])
-    rows: npt.NDArray[np.void] = np.frombuffer(b"".join(binary), layout)
-    table = np.column_stack([rows["time_us"].astype(np.float64), rows["values"].astype(np.float64)])
+    table = np.empty((len(binary), 1 + WIDTHS[kind]))
+    if binary:
+        rows: npt.NDArray[np.void] = np.frombuffer(b"".join(binary), _LAYOUTS[kind])
+        table[:, 0], table[:, 1:] = rows["time_us"], rows["values"]
     if not text:
         return table
     return np.concatenate([table, np.array(text, np.float64)])

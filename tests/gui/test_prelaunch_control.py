@@ -1,0 +1,115 @@
+"""The check as it is driven from the recording page: asked for, guided, kept."""
+
+from pathlib import Path
+
+import pytest
+from bench_ball import HOST_S, IMU_RATE, IRREGULAR, RATE, Bench
+from PySide6.QtCore import QObject
+
+from app.battery import Battery
+from app.prelaunch_control import PrelaunchControl
+from app.recording_parts import RecordingWish
+from processing.live.check_sheet import Light
+from processing.live.stream import DiscStatus, LinkState, MotionStatus, RecordingStatus, SoundStatus
+from processing.survey import DeviceInfo, Survey
+from widgets.device_form import MotionWish, SoundWish
+from widgets.prelaunch_panel import PrelaunchPanel
+
+
+class Page:
+    """Stands in for the recording page's control; its time passes when :meth:`live` is called."""
+
+    def __init__(self, bench):
+        self.bench, self.now_s = bench, 0.0
+        self.listeners, self.sheets = [], []
+        self.recording = False
+        self.alive = True
+        survey = Survey(device=DeviceInfo(radius_m=0.0475))
+        self.wish = RecordingWish(survey, Path(), SoundWish(), MotionWish(), 7200.0)
+
+    @property
+    def status(self):
+        if not self.alive:
+            return None
+        sound = SoundStatus(LinkState.LIVE, "mic", float(RATE), 1, int(self.now_s * RATE))
+        motion = MotionStatus(LinkState.LIVE, "ball", "frames", IMU_RATE, int(self.now_s * IMU_RATE))
+        return RecordingStatus(sound=sound, motion=motion, disc=DiscStatus(10**12, 1e5, 90000.0))
+
+    def listen(self, listener):
+        self.listeners.append(listener)
+        return lambda: self.listeners.remove(listener)
+
+    def keep_sheet(self, sheet):
+        self.sheets.append(sheet)
+
+    def monotonic(self):
+        return HOST_S + self.now_s
+
+    def live(self, control, seconds):
+        end_s = min(self.now_s + seconds, 29.9)
+        while self.now_s < end_s and control.running:
+            before, self.now_s = self.now_s, self.now_s + 0.1
+            for listener in list(self.listeners):
+                listener(self.bench.sound(before, self.now_s))
+                listener(self.bench.motion(before, self.now_s))
+            control.look()
+
+
+@pytest.fixture
+def made(qtbot):
+    def make(knocks=IRREGULAR):
+        panel, page = PrelaunchPanel("en"), Page(Bench(knocks))
+        qtbot.addWidget(panel)
+        panel.set_values(0.8, 2000.0)
+        parent = QObject(panel)
+        return panel, page, PrelaunchControl(panel, page, lambda: Battery(0.9, plugged=False), parent, page.monotonic)
+
+    return make
+
+
+def test_a_whole_check_ends_with_a_kept_sheet(made, qtbot):
+    panel, page, control = made()
+    control.show_ready()
+    panel.start.click()
+    assert control.running
+    page.live(control, 30.0)
+    assert not control.running
+    assert page.listeners == []
+    (sheet,) = page.sheets
+    assert sheet.kind == "launch"
+    assert {item.light for item in sheet.items if item.key != "field"} == {Light.GREEN}
+    assert len(panel.texts()) == len(sheet.items)
+
+
+def test_what_was_skipped_is_said_not_to_be_checked(made):
+    panel, page, control = made()
+    control.begin("launch")
+    page.live(control, 5.0)
+    panel.skip.click()
+    page.live(control, 15.0)
+    (sheet,) = page.sheets
+    assert {item.key: item.light for item in sheet.items}["rest"] is Light.OPEN
+
+
+def test_a_check_that_is_broken_off_leaves_no_sheet(made):
+    panel, page, control = made()
+    control.begin("launch")
+    page.live(control, 5.0)
+    panel.cancel.click()
+    assert not control.running
+    assert page.sheets == page.listeners == []
+    control.begin("launch")
+    page.alive = False
+    control.show_ready()
+    assert not control.running
+
+
+def test_the_knocks_at_the_end_are_a_sheet_of_their_own(made):
+    panel, page, control = made(knocks=(3.0, 3.9, 4.4, 5.6, 6.2))
+    page.recording = True
+    control.show_ready()
+    panel.knocks.click()
+    page.live(control, 12.0)
+    (sheet,) = page.sheets
+    assert (sheet.kind, [item.key for item in sheet.items]) == ("end", ["knocks"])
+    assert sheet.light is Light.GREEN
