@@ -128,6 +128,7 @@ def parser() -> OneLineParser:
     one.add_argument("--seed", type=_seed, default=0, metavar="N")
     one.set_defaults(handler=_simulate)
 
+    _add_record(commands, common)
     _add_simulate_device(commands, common)
 
     one = commands.add_parser("scenarios", parents=[common], help="list what can be simulated")
@@ -136,6 +137,24 @@ def parser() -> OneLineParser:
     one = commands.add_parser("formats", parents=[common], help="list what can be imported")
     one.set_defaults(handler=_formats)
     return top
+
+
+def _add_record(commands: "argparse._SubParsersAction[OneLineParser]", common: OneLineParser) -> None:
+    imu = "serial:/dev/ttyUSB0@115200, serial:auto, tcp:HOST:PORT or udp:PORT; ,protocol=NAME may follow"
+    one = commands.add_parser("record", parents=[common], help="record from live devices without a window")
+    one.add_argument("--imu", metavar="SPEC", help=f"where the IMU's samples come from: {imu}")
+    one.add_argument("--audio", metavar="SPEC", help="the microphone: default, or NAME[@RATE][,channels=N]")
+    one.add_argument("--out", type=_place, metavar="PATH", help="the new folder, or one in which it is made")
+    one.add_argument("--seconds", type=_positive, metavar="N", help="stop by itself after this time")
+    one.add_argument("--wait", type=_positive, default=10.0, metavar="N", help="seconds to wait for the devices (10)")
+    one.add_argument("--part-minutes", type=_positive, default=60.0, metavar="N", help="length of a file (60)")
+    one.add_argument("--survey", type=_place, metavar="FILE", help="a survey.toml: pipe, launch, route")
+    one.add_argument("--name", metavar="TEXT", help="of the survey")
+    one.add_argument("--diameter", metavar="METRES", help="of the pipe")
+    one.add_argument("--radius", metavar="METRES", help="of the ball")
+    one.add_argument("--motion", metavar="WORD", help="how the device moves: rolling, carried or foot")
+    one.add_argument("--list", action="store_true", help="list microphones and serial ports, and record nothing")
+    one.set_defaults(handler=_record)
 
 
 def _add_simulate_device(commands: "argparse._SubParsersAction[OneLineParser]", common: OneLineParser) -> None:
@@ -208,6 +227,12 @@ def _simulate(words: argparse.Namespace) -> int:
         write_run(run, words.out, progress.part(0.5, 1.0))
     print(messages.text("cli", "simulated", words.language, folder=words.out.resolve()))
     return DONE
+
+
+def _record(words: argparse.Namespace) -> int:
+    from app.recording_command import record
+
+    return record(words)
 
 
 def _simulate_device(words: argparse.Namespace) -> int:

@@ -65,12 +65,17 @@ class ErrorCode(StrEnum):
     CORRELATION_SESSION_DAMAGED = "correlation_session_damaged"
     CORRELATION_SESSION_NEWER = "correlation_session_newer"
     IMU_SPEC_INVALID = "imu_spec_invalid"
+    RECORDING_NOTHING_CHOSEN = "recording_nothing_chosen"
+    RECORDING_NOT_RUNNING = "recording_not_running"
+    RECORDING_RUNNING = "recording_running"
+    DEVICE_MISSING = "device_missing"
     SOUND_LIBRARY_MISSING = "sound_library_missing"
     SOUND_SPEC_INVALID = "sound_spec_invalid"
     SOUND_NO_INPUT = "sound_no_input"
     SOUND_DEVICE_MISSING = "sound_device_missing"
     SOUND_DEVICE_REFUSED = "sound_device_refused"
     SOUND_DEVICE_GONE = "sound_device_gone"
+    SOUND_SYSTEM_HANGS = "sound_system_hangs"
 
 
 @dataclass(frozen=True)

@@ -78,6 +78,11 @@ class SoundStatus:
     is_digital_silence: bool = False
     clock_ppm: float | None = None  # against the host's clock
     clock_sigma_ppm: float | None = None
+    offset: tuple[float, ...] = ()  # steady voltage, full scale is 1
+    overflows: int = 0  # times the system said that it lost sound before we got it
+    waiting_s: float = 0.0  # of sound that came and has not been taken yet
+    source: str = ""  # what stands behind a device of the system's sound server, where that can be known
+    source_rate_hz: float | None = None  # what that itself runs at; another rate means the system resamples
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,8 @@ class MotionStatus:
     clock_ppm: float | None = None  # against the host's clock
     clock_sigma_ppm: float | None = None
     jitter_ms: float | None = None  # of the arrivals about the fitted line, rms
+    reason: str = ""  # why it is not alive: key of [reasons]
+    detail: str = ""  # the system's words about that
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,400 @@
+"""Records from the devices of a plan: heard from :meth:`Recorder.open` on, written from ``start`` to ``stop``.
+
+Plain threads, no window: sound and motion come on threads of their own and never wait for each other, for the disc or
+for whoever looks; one more thread looks after what happened a few times a second. A recording that can no longer be
+written ends by itself; a device that goes and comes back does not end it.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+from app.devices.audio_input import AudioInput
+from app.devices.imu_link import ImuLink
+from app.devices.live_feed import LiveFeed
+from app.devices.motion_intake import LinkMaker, MotionIntake
+from app.devices.recorder_events import Happenings
+from app.devices.recording_plan import RecordingPlan, dated, writer_target
+from app.devices.sound_intake import InputMaker, SoundIntake
+from processing.errors import ErrorCode, LeaklineError
+from processing.live.decoders import decoder_named
+from processing.live.sound_timeline import ClockGuess, sound_to_survey
+from processing.live.stream import DiscStatus, MotionStatus, RecordingState, RecordingStatus, SoundStatus
+from processing.storage.recording_writer import RecordingWriter
+from processing.survey import Severity, Survey, TiePoint
+
+log = logging.getLogger(__name__)
+
+LOOK_S = 0.2
+CLOCK_EVERY_S = 5.0
+SOUND_DRAIN_S = 1.0  # stopping waits this long for the sound of the last moment, which is on its way
+MARK_S = 2.0  # a marker is on the disc within this time, or the disc is in trouble and says so itself
+_STOP_S = 330.0  # a little longer than the writer takes at most
+PLAN_TOLD_AFTER_S = 5.0  # the rate of writing is known by then
+
+WriterMaker = Callable[..., RecordingWriter]
+
+
+@dataclass(frozen=True)
+class Makers:
+    """What a recorder is composed of; tests put simple devices in their places."""
+
+    sound_input: InputMaker = AudioInput
+    imu_link: LinkMaker = ImuLink
+    writer: WriterMaker = RecordingWriter.create
+
+
+@dataclass(frozen=True)
+class _Mark:
+    """A marker, and when it was set: survey time may be known better, or at all, only later."""
+
+    point: TiePoint
+    told: TiePoint  # as it was when it was set
+    host_s: float
+    is_on_motion: bool  # its time is that of the IMU's clock, which all others give way to
+
+
+class _Take:
+    """One recording under way."""
+
+    def __init__(self, writer: RecordingWriter) -> None:
+        self.writer = writer
+        self.began_s = time.monotonic()
+        self.ended_s: float | None = None
+        self.marks: list[_Mark] = []
+        self.clock_due_s = self.began_s + 2.0
+        self.is_plan_told = False
+        self.done = threading.Event()
+
+
+class Recorder:
+    """All methods may be called from any thread; :meth:`close` ends everything and may be called at any time."""
+
+    def __init__(self, plan: RecordingPlan, makers: Makers | None = None, *, drain_s: float = SOUND_DRAIN_S) -> None:
+        makers = makers or Makers()
+        self._drain_s = drain_s
+        self.plan = plan
+        self.feed = LiveFeed()
+        self._make_writer = makers.writer
+        self._told = Happenings(time.monotonic)
+        self._sound = None if plan.sound is None else SoundIntake(plan.sound, makers.sound_input, self._told, self.feed)
+        self._motion: MotionIntake | None = None
+        if plan.motion is not None:
+            decoder = decoder_named(plan.motion.protocol)
+            self._motion = MotionIntake(plan.motion, makers.imu_link, decoder, self._told, self.feed)
+        self._lock = threading.RLock()  # of starting, stopping and marking; never held while a stream waits
+        self._state = RecordingState.MONITORING
+        self._take: _Take | None = None
+        self._fault: LeaklineError | None = None
+        self._opened_s = time.monotonic()
+        self._is_closed = False
+        self._wake = threading.Event()
+        self._keeper = threading.Thread(target=self._look_after, name="recorder", daemon=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # --- the devices
+
+    def open(self) -> None:
+        """Let the devices run: they are heard, nothing is written.
+
+        Raises:
+            LeaklineError: SOUND_LIBRARY_MISSING; whatever else is wrong with a device is told by :meth:`status`.
+        """
+        self._opened_s = time.monotonic()
+        if self._sound is not None:
+            self._sound.open()
+        if self._motion is not None:
+            self._motion.open()
+        self._keeper.start()
+
+    def close(self) -> None:
+        """Stop a recording, let the devices go and end all threads; a second call does no harm."""
+        self.stop()
+        with self._lock:
+            if self._is_closed:
+                return
+            self._is_closed = True
+        self._wake.set()
+        closers = [intake.close for intake in (self._sound, self._motion) if intake is not None]
+        threads = [threading.Thread(target=close, name="closing", daemon=True) for close in closers]
+        for thread in threads:  # side by side: either may hang for some seconds
+            thread.start()
+        for thread in threads:
+            thread.join(5.0)
+        if self._keeper.ident is not None and self._keeper is not threading.current_thread():
+            self._keeper.join(5.0)
+
+    @property
+    def fault(self) -> LeaklineError | None:
+        """Why the last recording ended by itself, None where it did not."""
+        return self._fault
+
+    @property
+    def sound_fault(self) -> LeaklineError | None:
+        """Why there is no sound at this moment."""
+        return None if self._sound is None else self._sound.fault
+
+    def clear_clip(self) -> None:
+        """Let the meter forget that the sound was too loud."""
+        if self._sound is not None:
+            self._sound.clear_clip()
+
+    # --- a recording
+
+    def start(self, survey: Survey | None = None, target: Path | None = None) -> Path:
+        """Begin to write into a new folder and return it; the devices run on as they are.
+
+        ``survey`` and ``target`` take the place of the plan's for this and later recordings.
+
+        Raises:
+            LeaklineError: RECORDING_RUNNING, DISC_FULL, CANNOT_WRITE.
+        """
+        with self._lock:
+            if self._state in (RecordingState.RECORDING, RecordingState.STOPPING) or self._is_closed:
+                raise LeaklineError(ErrorCode.RECORDING_RUNNING)
+            if survey is not None or target is not None:
+                self.plan = replace(self.plan, survey=survey or self.plan.survey, target=target or self.plan.target)
+            plan = self.plan
+            writer = self._make_writer(
+                writer_target(plan.target),
+                dated(plan.survey, plan.target),
+                None if self._sound is None else self._sound.form(),
+                motion=self._motion is not None,
+                part_s=plan.part_s,
+                operator=plan.operator,
+            )
+            take = _Take(writer)
+            self._fault = None
+            self._told.clear()
+            self._told.attach(writer)
+            self._told.note("devices", sound=str(plan.sound or ""), motion=str(plan.motion or ""))
+            self.feed.clear()
+            if self._sound is not None:
+                self._sound.begin(writer)
+            if self._motion is not None:
+                self._motion.begin(writer)
+            self._take = take
+            self._state = RecordingState.RECORDING
+            return writer.path
+
+    def mark(
+        self,
+        name: str,
+        chainage_m: float | None = None,
+        *,
+        host_s: float | None = None,
+        **place: Any,  # noqa: ANN401  # the other fields of a TiePoint, which checks them
+    ) -> TiePoint:
+        """Keep that the device is at a known place now, or was at ``host_s``; it is on the disc when this returns.
+
+        ``place`` are the fields of a :class:`~processing.survey.TiePoint`: ``latitude``, ``sigma_m`` … Without any
+        the marker only has a name and a time, and its place can be told later.
+
+        Raises:
+            LeaklineError: RECORDING_NOT_RUNNING.
+        """
+        now = time.monotonic() if host_s is None else host_s
+        with self._lock:
+            take = self._running()
+            point = TiePoint(name, round(self._survey_s(take, now), 3), chainage_m=chainage_m, **place)
+            take.writer.mark(point)
+            take.marks.append(_Mark(point, point, now, self._is_on_motion(now)))
+        self._wait_stored(take)
+        return point
+
+    def amend(self, old: TiePoint, new: TiePoint | None) -> None:
+        """Put another tie point in the place of one that was marked, or take it back; on the disc when this returns.
+
+        Raises:
+            LeaklineError: RECORDING_NOT_RUNNING.
+        """
+        with self._lock:
+            take = self._running()
+            mark = next((mark for mark in take.marks if old in (mark.point, mark.told)), None)
+            if mark is None:
+                raise ValueError(f"no such marker: {old}")
+            take.writer.amend(mark.point, new)
+            at = take.marks.index(mark)
+            take.marks[at : at + 1] = [] if new is None else [_Mark(new, new, mark.host_s, mark.is_on_motion)]
+        self._wait_stored(take)
+
+    def unmark(self) -> TiePoint | None:
+        """Take the last marker back and return it, None where there is none; raises RECORDING_NOT_RUNNING."""
+        with self._lock:
+            marks = self._running().marks
+            last = marks[-1].point if marks else None
+            if last is not None:
+                self.amend(last, None)
+            return last
+
+    @property
+    def marks(self) -> tuple[TiePoint, ...]:
+        """The markers of the recording under way, in the order in which they were set."""
+        take = self._take
+        return () if take is None else tuple(mark.point for mark in tuple(take.marks))
+
+    def stop(self) -> Path | None:
+        """End the recording and return its folder; the devices run on. None where nothing was ever recorded.
+
+        Any thread may call it, several at once; it returns when all is on the disc, or the disc answers no more.
+        """
+        with self._lock:
+            take = self._take
+            is_mine = take is not None and self._state is RecordingState.RECORDING
+            if is_mine:
+                self._state = RecordingState.STOPPING
+        if take is None:
+            return None
+        if is_mine:
+            self._finish(take)
+        take.done.wait(_STOP_S)
+        return take.writer.path
+
+    # --- one look
+
+    def status(self) -> RecordingStatus:
+        """Return how everything is; cheap, and waits for nobody."""
+        now, take, state = time.monotonic(), self._take, self._state
+        findings = self._told.findings
+        if take is None:
+            elapsed_s, survey_s, disc = 0.0, None, DiscStatus()
+        else:
+            elapsed_s = (take.ended_s or now) - take.began_s
+            survey_s = self._survey_s(take, take.ended_s or now)
+            disc, findings = take.writer.status(), (*take.writer.findings, *findings)
+        return RecordingStatus(
+            state=state,
+            elapsed_s=elapsed_s,
+            survey_s=survey_s,
+            folder=None if take is None else take.writer.path,
+            sound=SoundStatus() if self._sound is None else self._sound.status(),
+            motion=MotionStatus() if self._motion is None else self._motion.status(),
+            disc=disc,
+            markers=0 if take is None else len(take.marks),
+            feed_dropped=self.feed.dropped,
+            findings=findings,
+        )
+
+    def clock(self) -> ClockGuess | None:
+        """Return how the recording's sound lies on survey time, as known by now; None where either is missing."""
+        sound, motion = self._sound, self._motion
+        if sound is None or motion is None:
+            return None
+        with sound.lock, motion.lock:
+            return None if sound.axis is None else sound_to_survey(sound.axis, motion.timeline)
+
+    # --- inside
+
+    def _running(self) -> _Take:
+        take = self._take
+        if take is None or self._state is not RecordingState.RECORDING:
+            raise LeaklineError(ErrorCode.RECORDING_NOT_RUNNING)
+        return take
+
+    def _wait_stored(self, take: _Take) -> None:
+        if not take.writer.wait_stored(MARK_S):
+            log.warning("the disc has not taken a marker within %.0f s", MARK_S)
+
+    def _is_on_motion(self, host_s: float) -> bool:
+        return self._motion is not None and self._motion.survey_s(host_s) is not None
+
+    def _survey_s(self, take: _Take, host_s: float) -> float:
+        """Return survey time, on the axis that there is: motion, else sound, else this computer's."""
+        motion = None if self._motion is None else self._motion.survey_s(host_s)
+        if motion is not None:
+            return motion
+        sound = None if self._sound is None else self._sound.audio_s(host_s)
+        return host_s - take.began_s if sound is None else sound
+
+    def _finish(self, take: _Take) -> None:
+        """Bring a recording to its end: in the thread that asked, once."""
+        take.ended_s = time.monotonic()
+        try:
+            if self._sound is not None:
+                self._sound.end(take.ended_s, self._drain_s)
+            if self._motion is not None:
+                self._motion.end()
+            self._settle(take)
+            self._told.note("counts", **self._counts())
+            self._told.attach(None)
+            take.writer.close()
+        finally:
+            fault = take.writer.fault
+            if fault is not None:
+                self._fault = fault
+                is_full = fault.code is ErrorCode.DISC_FULL
+                code = "recorder_ended_disc" if is_full else "recorder_ended_fault"
+                about = {} if is_full else {"reason": str(fault.params.get("reason", fault))}
+                self._told.tell(code, Severity.WARNING, **about)
+            with self._lock:
+                self._state = RecordingState.STOPPED if fault is None else RecordingState.FAILED
+            take.done.set()
+
+    # --- the thread that looks after everything
+
+    def _look_after(self) -> None:
+        while not self._is_closed:
+            self._wake.wait(LOOK_S)
+            try:
+                self._look()
+            except Exception:  # what it would have told is lost, the recording is not
+                log.exception("looking after the recording failed")
+
+    def _look(self) -> None:
+        now, take = time.monotonic(), self._take
+        if self._sound is not None:
+            self._sound.look(now)
+        if take is None or self._state is not RecordingState.RECORDING:
+            return
+        if take.writer.fault is not None:
+            self.stop()
+            return
+        if now >= take.clock_due_s:
+            take.clock_due_s = now + CLOCK_EVERY_S
+            self._settle(take)
+        self._look_at_plan(take, now)
+
+    def _settle(self, take: _Take) -> None:
+        """Keep what is known by now about the clocks, and with it the times of markers set before there was motion."""
+        guess = self.clock()
+        if guess is not None:
+            take.writer.set_clock(guess)
+        if self._motion is None:
+            return
+        with self._lock:
+            for at, mark in enumerate(take.marks):
+                survey_s = self._motion.survey_s(mark.host_s)
+                if mark.is_on_motion or survey_s is None:
+                    continue
+                point = replace(mark.point, time_s=round(survey_s, 3))
+                take.writer.amend(mark.point, point)
+                take.marks[at] = replace(mark, point=point, is_on_motion=True)
+
+    def _look_at_plan(self, take: _Take, now: float) -> None:
+        left_s, planned_s = take.writer.status().seconds_left, self.plan.planned_s
+        if take.is_plan_told or not planned_s or left_s is None or now - take.began_s < PLAN_TOLD_AFTER_S:
+            return
+        take.is_plan_told = True
+        if left_s < planned_s - (now - take.began_s):
+            self._told.tell("recorder_disc_plan", Severity.WARNING, minutes=left_s / 60.0, planned=planned_s / 60.0)
+
+    def _counts(self) -> dict[str, Any]:
+        """Return what the journal keeps at the end: how much came, and how much did not."""
+        counts: dict[str, Any] = {}
+        if self._sound is not None:
+            sound = self._sound.status()
+            counts["sound"] = {"frames": sound.frames, "lost": sound.lost_frames, "gaps": sound.gaps}
+        if self._motion is not None:
+            motion = self._motion.status()
+            names = ("samples", "lost", "repeated", "garbage_bytes", "bad_sums", "gaps", "restarts", "clock_ppm")
+            counts["motion"] = {name: getattr(motion, name) for name in names}
+        return counts
