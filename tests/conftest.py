@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
 import sound_server as sound_server_helper
+from hypothesis import settings
 
 # set before Qt is first imported; a test that needs a real screen starts its own
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")

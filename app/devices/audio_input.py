@@ -11,10 +11,9 @@ import threading
 import time
 from collections.abc import Callable
 
-import numpy as np
-
 from app.devices import portaudio
 from app.devices.audio_devices import AudioDevice, list_inputs, named
+from app.devices.audio_placing import Placing
 from app.devices.audio_spec import AudioChoice
 from app.devices.audio_stream import Callback, Chunk, Handover, Opener, OpenInput, open_input, suitable_rate
 from processing.errors import ErrorCode, LeaklineError
@@ -54,7 +53,7 @@ class AudioInput:
         self._device = ""
         self._rate_hz = 0
         self._meter: LevelMeter | None = None
-        self._place: _Placing | None = None
+        self._place: Placing | None = None
         self._watcher = threading.Thread(target=self._watch, name="sound-device", daemon=True)
         self._worker = threading.Thread(target=self._work, name="sound", daemon=True)
 
@@ -84,6 +83,11 @@ class AudioInput:
             self._state = LinkState.ENDED
         return ended
 
+    def _is(self, state: LinkState, fault: LeaklineError | None = None) -> None:
+        with self._lock:
+            if self._state is not LinkState.ENDED:
+                self._state, self._fault = state, fault
+
     @property
     def fault(self) -> LeaklineError | None:
         """Why there is no sound at this moment, None while there is."""
@@ -110,6 +114,11 @@ class AudioInput:
             held_peak_db=levels.held_peak_db,
             clipped=levels.clipped,
             is_digital_silence=levels.is_digital_silence,
+            clock_ppm=place.timeline.clock_ppm,
+            clock_sigma_ppm=place.timeline.clock_sigma_ppm,
+            offset=levels.offset,
+            overflows=self._handover.overflows,
+            waiting_s=self._handover.waiting_frames / rate_hz,
         )
 
     def clear_clip(self) -> None:
@@ -142,7 +151,7 @@ class AudioInput:
             if self._meter is None:
                 self._rate_hz = rate_hz
                 self._meter = LevelMeter(rate_hz, self._choice.channels)
-                self._place = _Placing(rate_hz)
+                self._place = Placing(rate_hz, self._choice.channels)
             self._device = device.name
         stream = self._open_device(device, rate_hz, self._choice.channels, callback)
         if self._choice.is_default:
@@ -156,17 +165,12 @@ class AudioInput:
         while not self._stop.is_set():
             quiet_s = time.monotonic() - (callback.last_s or opened_s)
             if callback.finished.is_set() or quiet_s > LOST_S:
-                with self._lock:
-                    self._state = LinkState.LOST
-                    self._fault = LeaklineError(ErrorCode.SOUND_DEVICE_GONE, name=self._device)
+                self._is(LinkState.LOST, LeaklineError(ErrorCode.SOUND_DEVICE_GONE, name=self._device))
                 return
-            state = LinkState.SILENT if quiet_s > SILENT_S else self._state
-            if callback.last_s is not None and quiet_s <= SILENT_S:
-                state = LinkState.LIVE
-            with self._lock:
-                self._state = state
-                if state is LinkState.LIVE:
-                    self._fault = None
+            if quiet_s > SILENT_S:
+                self._is(LinkState.SILENT)
+            elif callback.last_s is not None:
+                self._is(LinkState.LIVE)
             callback.finished.wait(_LOOK_S)
 
     def _close(self, stream: OpenInput) -> None:
@@ -185,55 +189,25 @@ class AudioInput:
                 chunk = self._handover.take(timeout_s=1.0)
             except queue.Empty:
                 continue
+            blocks = self._placed(chunk)
+            for block in blocks:
+                self._deliver(block)
             if chunk is None:
                 return
-            try:
-                self._deliver(chunk)
-            except Exception:  # a fault of whoever takes the sound must not end the stream
-                log.exception("a block of sound was not taken")
 
-    def _deliver(self, chunk: Chunk) -> None:
-        place, meter = self._place, self._meter
-        assert place is not None  # made before the device was opened
-        assert meter is not None
-        frames = np.frombuffer(chunk.data, np.int32).reshape(chunk.frames, self._choice.channels)
-        block = place.block(chunk, frames)
-        meter.add(frames)
-        self._on_block(block)
+    def _placed(self, chunk: Chunk | None) -> list[SoundBlock]:
+        with self._lock:
+            place = self._place
+        if place is None:
+            return []
+        return place.rest() if chunk is None else place.blocks(chunk)
 
-
-class _Placing:
-    """Numbers the frames of one recording and says how many are missing before a chunk."""
-
-    def __init__(self, rate_hz: float) -> None:
-        self._rate_hz = rate_hz
-        self._next = 0  # number of the next frame, lost ones counted
-        self._opening = 0
-        self._next_of_opening = 0
-        self._end_s: float | None = None  # when the last frame was digitised, host time
-        self.came = self.lost = self.gaps = 0
-
-    def block(self, chunk: Chunk, frames: np.ndarray) -> SoundBlock:
-        adc_s = _adc_host_s(chunk, self._rate_hz)
-        lost, reason = 0, ""
-        if chunk.opening != self._opening:
-            if self._end_s is not None:
-                lost, reason = max(0, round((adc_s - self._end_s) * self._rate_hz)), "sound_input_lost"
-            self._opening, self._next_of_opening = chunk.opening, 0
-        if chunk.first > self._next_of_opening:
-            lost, reason = lost + chunk.first - self._next_of_opening, reason or "sound_behind"
-        self._next_of_opening = chunk.first + chunk.frames
-        first = self._next + lost
-        self._next = first + chunk.frames
-        self._end_s = adc_s + chunk.frames / self._rate_hz
-        self.came += chunk.frames
-        self.lost += lost
-        self.gaps += lost > 0
-        return SoundBlock(frames, first, adc_s, lost, reason if lost else "")
-
-
-def _adc_host_s(chunk: Chunk, rate_hz: float) -> float:
-    """Return when the first frame was digitised: as PortAudio says, but not later than all of them can have been."""
-    least_s = chunk.frames / rate_hz
-    told = chunk.age_s if 0.0 < chunk.age_s < 10.0 else 0.0
-    return chunk.host_s - max(least_s, told)
+    def _deliver(self, block: SoundBlock) -> None:
+        with self._lock:
+            meter = self._meter
+        assert meter is not None  # made with the placing
+        meter.add(block.frames)
+        try:
+            self._on_block(block)
+        except Exception:  # a fault of whoever takes the sound must not end the stream
+            log.exception("a block of sound was not taken")

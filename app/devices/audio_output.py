@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from app.devices import portaudio
+from processing.errors import LeaklineError
 
 log = logging.getLogger(__name__)
 
@@ -79,7 +80,10 @@ def open_sink(sample_rate_hz: float, channels: int = 1) -> Sink:
     With more than one channel, blocks hold the samples of all channels in turn.
     """
     sounddevice = _library()
-    hold = portaudio.Hold()  # looking for microphones anew would end what plays
+    try:
+        hold = portaudio.Hold()  # looking for microphones anew would end what plays
+    except LeaklineError as error:
+        raise SoundUnavailableError(str(error)) from error
     try:
         stream = sounddevice.OutputStream(
             samplerate=sample_rate_hz, channels=channels, dtype="float32", latency=LATENCY_S, blocksize=0

@@ -5,17 +5,30 @@ which ends every open stream without a word. So whoever opens a stream holds the
 """
 
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from processing.errors import ErrorCode, LeaklineError
+
+WAIT_S = 3.0  # for a call of another thread; longer, and the system hangs
 
 
 class _Held:
     """How many streams of this process are open. One a process, as the C library behind it is."""
 
     def __init__(self) -> None:
-        self.lock = threading.RLock()
+        self._lock = threading.Lock()
         self.streams = 0
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        if not self._lock.acquire(timeout=WAIT_S):
+            raise LeaklineError(ErrorCode.SOUND_SYSTEM_HANGS)
+        try:
+            yield
+        finally:
+            self._lock.release()
 
 
 _held = _Held()
@@ -31,9 +44,12 @@ def library() -> Any:  # noqa: ANN401  # sounddevice has no types
 
 
 def refresh() -> bool:
-    """See the devices that are there now; returns False, and leaves all as it was, while a stream is open."""
+    """See the devices that are there now; returns False, and leaves all as it was, while a stream is open.
+
+    Raises LeaklineError (SOUND_LIBRARY_MISSING, or SOUND_SYSTEM_HANGS where another thread waits for the system).
+    """
     sounddevice = library()
-    with _held.lock:
+    with _held.locked():
         if _held.streams:
             return False
         # python-sounddevice offers these two for just this, but has no public name for them (its issue 3)
@@ -43,16 +59,19 @@ def refresh() -> bool:
 
 
 class Hold:
-    """Keeps :func:`refresh` away from before a stream is opened until it is closed."""
+    """Keeps :func:`refresh` away from before a stream is opened until it is closed.
+
+    Raises LeaklineError (SOUND_SYSTEM_HANGS) where a refresh does not end.
+    """
 
     def __init__(self) -> None:
-        self._is_held = True
-        with _held.lock:
+        with _held.locked():
             _held.streams += 1
+        self._is_held = True
 
     def release(self) -> None:
         """Let the library go; a second time does nothing."""
-        with _held.lock:
-            if self._is_held:
-                self._is_held = False
+        if self._is_held:
+            self._is_held = False
+            with _held.locked():
                 _held.streams -= 1

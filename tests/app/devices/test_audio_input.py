@@ -1,57 +1,287 @@
-"""Sound from real devices behind PortAudio: a virtual sound server stands for the microphone."""
+"""An input against devices that misbehave as no virtual one can: played by the test, which owns the callback."""
 
+import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import soundfile
 
+from app.devices import audio_input
+from app.devices.audio_devices import AudioDevice
 from app.devices.audio_input import AudioInput
 from app.devices.audio_spec import AudioChoice
+from processing.errors import ErrorCode, LeaklineError
 from processing.live.stream import LinkState
 
 DEADLINE_S = 15.0
-
-
-class Heard:
-    """Collects the blocks of an input."""
-
-    def __init__(self):
-        self.blocks = []
-
-    def __call__(self, block):
-        self.blocks.append(block)
-
-    @property
-    def sound(self):
-        return np.concatenate([b.frames for b in self.blocks]) if self.blocks else np.zeros((0, 1), np.int32)
+RATE_HZ = 48_000
+MICROPHONE = AudioDevice("Ball: Audio (hw:1,0)", "ALSA", 2, 48_000.0, 3)
+INNER = AudioDevice("Laptop: Analog (hw:0,0)", "ALSA", 2, 44_100.0, 1, is_default=True)
 
 
 def wait_for(condition, what):
     until = time.monotonic() + DEADLINE_S
     while not condition():
         assert time.monotonic() < until, f"waited in vain: {what}"
-        time.sleep(0.02)
+        time.sleep(0.01)
 
 
-@pytest.mark.parametrize(("rate_hz", "channels", "subtype"), [(48_000, 1, "PCM_24"), (96_000, 2, "PCM_16")])
-def test_what_is_played_arrives_bit_by_bit(sound_server, tmp_path, rate_hz, channels, subtype):
-    sound_server.reform(rate_hz, channels)
-    bits = 24 if subtype == "PCM_24" else 16
-    rng = np.random.default_rng(5)
-    known = rng.integers(-(2 ** (bits - 1)), 2 ** (bits - 1), (rate_hz, channels), dtype=np.int32) << (32 - bits)
-    known[0] = 1 << (32 - bits)  # the beginning must be found after silence
-    soundfile.write(tmp_path / "known.wav", known, rate_hz, subtype)
-    heard = Heard()
-    sound = AudioInput(AudioChoice("default", rate_hz, channels), heard)
-    sound.start()
-    try:
-        wait_for(lambda: sound.status().state is LinkState.LIVE, "the input to open")
-        player = sound_server.play(tmp_path / "known.wav")
-        player.wait(timeout=DEADLINE_S)
-        wait_for(lambda: sound.status().frames > 2.5 * rate_hz, "all of the sound")
-    finally:
+class Played:
+    """A sound system whose devices the test plugs, plays and breaks."""
+
+    def __init__(self, *devices):
+        self.devices = devices
+        self.opened = []  # (device, rate, channels)
+        self.callback = None
+        self.refuses = None
+        self.hangs_opening = self.hangs_closing = False
+        self.go_on = threading.Event()
+        self.closed = 0
+        self._begun_s = 0.0
+        self._sent = 0
+
+    def list(self):
+        return self.devices
+
+    def open(self, device, rate_hz, channels, callback):
+        if self.refuses is not None:
+            raise self.refuses
+        if self.hangs_opening:
+            self.go_on.wait(DEADLINE_S)
+        self.opened.append((device, rate_hz, channels))
+        self.callback, self._begun_s, self._sent = callback, time.monotonic(), 0
+        return SimpleNamespace(sample_rate_hz=float(rate_hz), is_converted=False, close=self._close)
+
+    def _close(self):
+        if self.hangs_closing:
+            self.go_on.wait(DEADLINE_S)
+        self.closed += 1
+
+    def play(self, frames, overflow=False):
+        """Bring frames (n, channels) as a card does, a twentieth of a second after they sounded."""
+        age_s = time.monotonic() - (self._begun_s + self._sent / RATE_HZ)
+        self._sent += len(frames)
+        times = SimpleNamespace(currentTime=7.0, inputBufferAdcTime=7.0 - max(age_s, 1e-3))
+        self.callback(frames.tobytes(), len(frames), times, SimpleNamespace(input_overflow=overflow))
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    monkeypatch.setattr(audio_input, "RETRY_S", 0.05)
+
+
+@pytest.fixture
+def begun():
+    """Makes inputs that are stopped at the end, whatever happens."""
+    running = []
+
+    def begin(system, on_block=lambda block: None, choice=None, **more):
+        choice = choice or AudioChoice(MICROPHONE.name, RATE_HZ, 1)
+        sound = AudioInput(choice, on_block, open_device=system.open, devices=system.list, **more)
+        running.append((sound, system))
+        sound.start()
+        return sound
+
+    yield begin
+    for sound, system in running:
+        system.go_on.set()
         assert sound.stop()
-    got = heard.sound
-    first = int(np.flatnonzero(got.any(axis=1))[0])
-    np.testing.assert_array_equal(got[first : first + len(known)], known)
+
+
+def block(value=1 << 20, frames=4_800, channels=1):
+    return np.full((frames, channels), value, np.int32)
+
+
+def test_blocks_come_from_the_worker_and_the_status_says_how_loud_they_are(begun):
+    system, threads, blocks = Played(MICROPHONE), [], []
+
+    def on_block(came):
+        threads.append(threading.current_thread().name)
+        blocks.append(came)
+
+    sound = begun(system, on_block)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    assert sound.status().state is LinkState.WAITING  # open, but nothing has come
+    for _ in range(20):
+        system.play(block(1 << 30))
+    wait_for(lambda: len(blocks) == 20, "the blocks")
+    wait_for(lambda: sound.status().state is LinkState.LIVE, "the state")
+    status = sound.status()
+    assert set(threads) == {"sound"}
+    assert (status.device, status.sample_rate_hz, status.channels) == (MICROPHONE.name, RATE_HZ, 1)
+    assert (status.frames, status.lost_frames, status.overflows) == (96_000, 0, 0)
+    assert status.peak_db[0] == pytest.approx(-6.02, abs=0.01)
+    assert status.is_digital_silence  # a steady voltage carries no sound
+    assert sound.fault is None
+
+
+def test_a_device_that_is_not_there_is_told_and_taken_when_it_comes(begun):
+    system = Played(INNER)
+    sound = begun(system)
+    wait_for(lambda: sound.fault is not None, "the reason")
+    assert sound.fault.code is ErrorCode.SOUND_DEVICE_MISSING
+    assert sound.status().state is LinkState.WAITING
+    system.devices = (INNER, MICROPHONE)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.play(block())
+    wait_for(lambda: sound.status().state is LinkState.LIVE and sound.fault is None, "sound")
+
+
+def test_a_device_that_refuses_says_why_and_is_tried_again(begun):
+    system = Played(MICROPHONE)
+    system.refuses = LeaklineError(ErrorCode.SOUND_DEVICE_REFUSED, name="x", rate_hz=1.0, channels=1.0, reason="in use")
+    sound = begun(system)
+    wait_for(lambda: sound.fault is system.refuses, "the reason")
+    system.refuses = None
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+
+
+def test_an_unplugged_device_is_lost_and_taken_again_by_its_name_in_another_socket(begun):
+    system, blocks = Played(INNER, MICROPHONE), []
+    sound = begun(system, blocks.append)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    time.sleep(0.1)
+    for _ in range(5):
+        system.play(block(frames=480))
+    wait_for(lambda: sound.status().state is LinkState.LIVE, "sound")
+    first, system.callback, system.devices = system.callback, None, (INNER,)
+    first.on_finished()
+    wait_for(lambda: sound.status().state is LinkState.LOST, "the loss")
+    wait_for(lambda: sound.fault.code is ErrorCode.SOUND_DEVICE_MISSING, "the reason")
+    assert system.closed == 1
+    again = AudioDevice("Ball: Audio (hw:2,0)", "ALSA", 2, 48_000.0, 7)
+    system.devices = (INNER, again)
+    wait_for(lambda: system.callback is not None, "the device to be opened again")
+    time.sleep(0.6)
+    for _ in range(6):
+        system.play(block())
+    wait_for(lambda: len(blocks) == 11, "the sound after the gap")
+    assert [device for device, _, _ in system.opened] == [MICROPHONE, again]
+    (gap,) = [b for b in blocks if b.lost_before]
+    ends_s = blocks[4].adc_host_s + 0.01
+    assert gap.lost_before / RATE_HZ == pytest.approx(gap.adc_host_s - ends_s, abs=0.02)
+    assert (gap.reason, sound.status().gaps) == ("sound_input_lost", 1)
+
+
+def test_another_device_never_goes_on_in_place_of_a_default_one_that_went(begun):
+    default = AudioDevice("Ball: Audio (hw:1,0)", "ALSA", 2, 48_000.0, 3, is_default=True)
+    system = Played(default, AudioDevice(INNER.name, "ALSA", 2, 44_100.0, 1))
+    sound = begun(system, choice=AudioChoice("default", RATE_HZ))
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.play(block())
+    first, system.callback, system.devices = system.callback, None, (INNER,)
+    first.on_finished()
+    wait_for(lambda: sound.fault and sound.fault.code is ErrorCode.SOUND_DEVICE_MISSING, "the reason")
+    assert [device for device, _, _ in system.opened] == [default]
+
+
+def test_a_device_that_falls_silent_is_lost_after_a_while(begun, monkeypatch):
+    monkeypatch.setattr(audio_input, "SILENT_S", 0.2)
+    monkeypatch.setattr(audio_input, "LOST_S", 1.0)
+    system = Played(MICROPHONE)
+    sound = begun(system)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.play(block())
+    wait_for(lambda: sound.status().state is LinkState.SILENT, "silence to be told")
+    wait_for(lambda: system.closed == 1 and len(system.opened) == 2, "the device to be opened again")
+
+
+def test_a_slow_taker_costs_what_is_beyond_the_queue_exactly_and_says_so(begun):
+    system, blocks, may_go = Played(MICROPHONE), [], threading.Event()
+
+    def on_block(came):
+        may_go.wait(DEADLINE_S)
+        blocks.append(came)
+
+    sound = begun(system, on_block, queue_s=1.0)
+    try:
+        wait_for(lambda: system.callback is not None, "the device to be opened")
+        for number in range(30):
+            system.play(block(number))
+        wait_for(lambda: sound.status().waiting_s > 0.5, "sound to wait")
+    finally:
+        may_go.set()
+    wait_for(lambda: sound.status().waiting_s == 0.0, "the queue to be taken")
+    for number in range(30, 35):
+        system.play(block(number))
+    wait_for(lambda: blocks and blocks[-1].frames[0, 0] == 34, "the last block")
+    lost = sum(b.lost_before for b in blocks)
+    assert 4_800 * 30 - lost <= 48_000 + 2 * 4_800 + 5 * 4_800  # no more waited than may wait
+    assert sound.status().lost_frames == lost == 35 * 4_800 - sum(len(b.frames) for b in blocks)
+    assert all(b.first_frame == 4_800 * b.frames[0, 0] for b in blocks)
+    assert {b.reason for b in blocks if b.lost_before} == {"sound_behind"}
+
+
+def test_overflows_are_counted(begun):
+    system = Played(MICROPHONE)
+    sound = begun(system)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.play(block())
+    system.play(block(), overflow=True)
+    wait_for(lambda: sound.status().frames == 9_600, "the blocks")
+    assert sound.status().overflows == 1
+
+
+def test_a_taker_that_fails_does_not_end_the_stream(begun, caplog):
+    system, seen = Played(MICROPHONE), []
+
+    def on_block(came):
+        seen.append(came)
+        raise ValueError("a fault")
+
+    begun(system, on_block)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.play(block())
+    system.play(block())
+    wait_for(lambda: len(seen) == 2, "the second block")
+    wait_for(lambda: "a fault" in caplog.text, "the log")
+
+
+def test_the_callback_never_raises_into_the_sound_system(begun):
+    system = Played(MICROPHONE)
+    sound = begun(system)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.callback(None, 4_800, None, None)  # nothing of what it is promised
+    system.play(block(5))
+    wait_for(lambda: sound.status().lost_frames == 4_800, "the loss to be counted")
+
+
+def test_stop_hands_over_what_came_before_it(begun):
+    system, blocks = Played(MICROPHONE), []
+    sound = begun(system, lambda came: (time.sleep(0.01), blocks.append(came)))
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    for _ in range(20):
+        system.play(block())
+    assert sound.stop()
+    assert len(blocks) == 20
+    assert sound.status().state is LinkState.ENDED
+
+
+@pytest.mark.parametrize("what", ["hangs_opening", "hangs_closing"])
+def test_stop_returns_in_time_when_the_system_hangs_and_says_so(begun, what):
+    system = Played(MICROPHONE)
+    setattr(system, what, True)
+    sound = begun(system)
+    if what == "hangs_closing":
+        wait_for(lambda: system.callback is not None, "the device to be opened")
+    begun_s = time.monotonic()
+    assert not sound.stop(timeout_s=0.3)
+    assert time.monotonic() - begun_s < 5.0
+    assert sound.status().state is LinkState.ENDED
+
+
+def test_an_input_that_was_never_started_stops_at_once():
+    system = Played(MICROPHONE)
+    assert AudioInput(AudioChoice(), lambda block: None, open_device=system.open, devices=system.list).stop()
+
+
+def test_rate_and_channels_stay_what_they_were_at_the_first_opening(begun):
+    system = Played(MICROPHONE)
+    begun(system, choice=AudioChoice(MICROPHONE.name, 96_000, 2))
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.play(block(channels=2))
+    first, system.callback = system.callback, None
+    first.on_finished()
+    wait_for(lambda: system.callback is not None, "the device to be opened again")
+    assert [form[1:] for form in system.opened] == [(96_000, 2)] * 2
