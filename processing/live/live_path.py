@@ -14,14 +14,15 @@ from processing.live.attitude_stream import AttitudeStream
 from processing.live.path_history import PathHistory
 from processing.live.picture import LivePolyline, LivePose
 from processing.live.rolling_steps import RollingSteps
+from processing.live.windowed_steps import WindowedSteps
 from processing.orientation import quaternions as qt
 from processing.orientation.start import yaw_towards
 from processing.position.evidence import Evidence
 from processing.position.fitting import fit, prepare
-from processing.position.odometry import Odometry
+from processing.position.odometry import GAP_S, Odometry
 from processing.progress import silent
 from processing.settings import Settings
-from processing.survey import Channel, FloatArray, ImuSamples, Launch, Stretch, Survey, TiePoint, Track
+from processing.survey import Channel, FloatArray, ImuSamples, Launch, Motion, Stretch, Survey, TiePoint, Track
 
 _CHUNK_S = 0.04  # rows are worked on in pieces so long at least
 _FIT_S = 2.0
@@ -54,13 +55,17 @@ class LivePath:
         self._survey = replace(survey, pipe=replace(survey.pipe, length_m=None))
         self._fitting = replace(settings.position, keyframes=_KEYFRAMES)
         self._stream = AttitudeStream(settings.orientation)
-        self._steps = RollingSteps(survey.device, settings.position)
+        rolling = survey.device.motion is Motion.ROLLING and survey.processing.position in ("auto", "rolling")
+        self._rolling = RollingSteps(survey.device, settings.position) if rolling else None
+        self._windowed = None if rolling else WindowedSteps(survey, settings.position)
         self._history = PathHistory()
         self._pending: list[ImuSamples] = []
         self._pending_s = 0.0
         self._fit_s = -np.inf
         self._laid: _Laid | None = None
         self._version = 0
+        self._base: Odometry | None = None
+        self._is_still = True
         self._quat: FloatArray | None = None
         self._now_s = np.nan
         self._gap_end_s = -np.inf
@@ -107,7 +112,7 @@ class LivePath:
             sigma_along_m=along,
             sigma_cross_m=cross,
             speed_mps=speed,
-            is_still=self._steps.is_still,
+            is_still=self._is_still,
             is_calibrated=self._stream.is_calibrated,
             heading_basis=laid.basis if laid is not None else "unknown",
             in_gap=self._now_s - self._gap_end_s < 0.5,
@@ -134,25 +139,33 @@ class LivePath:
         rows = self._stream.add(imu)
         if not len(rows.time_s):
             return
-        found, gaps = self._steps.add(rows)
+        if self._rolling is not None:
+            found, gaps = self._rolling.add(rows)
+            self._history.append(found)
+            self._base, self._is_still = self._rolling.base, self._rolling.is_still
+        elif self._windowed is not None:
+            gaps = self._gaps_in(rows.time_s)
+            self._is_still = self._stream.rest.is_resting
+            settled = self._windowed.add(rows, is_resting=self._is_still)
+            if settled is not None:
+                self._history.append(settled.rows)
+                self._history.set_tail(settled.tail)
+                self._base = self._windowed.base
         for start, end in gaps:
             self._history.stretches.append(Stretch(start, end, Channel.PATH, "imu_gap"))
             self._gap_end_s = end
-        for row in found:
-            self._history.append(row)
         self._quat, self._now_s = rows.quat_ws[-1], float(rows.time_s[-1])
+
+    def _gaps_in(self, time_s: FloatArray) -> list[tuple[float, float]]:
+        whole = time_s if np.isnan(self._now_s) else np.concatenate([[self._now_s], time_s])
+        return [(float(whole[k]), float(whole[k + 1])) for k in np.flatnonzero(np.diff(whole) > GAP_S)]
 
     def _placed(self, row: FloatArray) -> tuple[FloatArray, float, float, float, float]:
         """Return place, chainage, both sigmas and speed at a row of the free path, carried on from the last fit."""
         laid = self._laid
         if laid is None:
-            return (
-                row[1:4],
-                float(row[4]),
-                self._steps.base.start_sigma_m,
-                self._steps.base.start_sigma_m,
-                float(row[5]),
-            )
+            start = 0.02 if self._base is None else self._base.start_sigma_m
+            return row[1:4], float(row[4]), start, start, float(row[5])
         track, odometry = laid.track, laid.odometry
         step = row[1:4] - odometry.position_w_m[-1]
         c, s = np.cos(laid.turn_rad), np.sin(laid.turn_rad)
@@ -169,9 +182,9 @@ class LivePath:
     def _fit(self) -> None:
         """Lay the way so far onto all that is known."""
         self._fit_s = float(self._history.last[0])
-        if len(self._history) < 3 or self._history.last[4] < _LEAST_WAY_M:
+        if self._base is None or len(self._history) < 3 or self._history.last[4] < _LEAST_WAY_M:
             return
-        odometry = self._history.odometry(self._steps.base)
+        odometry = self._history.odometry(self._base)
         try:
             laid = self._fitted(odometry)
         except LeaklineError as error:

@@ -1,6 +1,6 @@
 """The way so far as an odometry of bounded size: what the offline fit reads, kept for a run of any length."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ _THINNED_ROWS = 1200
 _RECENT_ROWS = 200
 _SETTING_OUT_M = 30.0  # the first metres tell the direction, so they keep their detail
 _SETTING_OUT_ROWS = 400
-_COLUMNS = {
+COLUMNS = {
     "time_s": slice(0, 1),
     "position_w_m": slice(1, 4),
     "chainage_m": slice(4, 5),
@@ -27,66 +27,54 @@ _COLUMNS = {
     "lost_var_m2": slice(14, 15),
     "lost_heading_rad2": slice(15, 16),
 }
-_WIDTH = 16
-
-
-@dataclass(frozen=True)
-class PathRow:
-    """One moment of the free path, fields as in :class:`processing.position.odometry.Odometry`; variances cumulated."""
-
-    time_s: float
-    position_w_m: tuple[float, float, float]
-    chainage_m: float
-    speed_mps: float
-    quat_ws: FloatArray  # (4,)
-    along_var_m2: float
-    cross_var_m2: float
-    up_var_m2: float
-    heading_var_rad2: float
-    lost_var_m2: float
-    lost_heading_rad2: float
-
-    def as_array(self) -> FloatArray:
-        """The same numbers in the order of the history's columns (16,)."""
-        return np.array(
-            [self.time_s, *self.position_w_m, self.chainage_m, self.speed_mps, *self.quat_ws, self.along_var_m2,
-             self.cross_var_m2, self.up_var_m2, self.heading_var_rad2, self.lost_var_m2, self.lost_heading_rad2]
-        )  # fmt: skip
+WIDTH = 16
+QUAT = COLUMNS["quat_ws"]
+SUMMED = np.r_[1:5, 10:WIDTH]  # columns that count on from row to row
 
 
 class PathHistory:
-    """Rows go in at track rate; what is kept thins out evenly by way and time as the run grows."""
+    """Rows (16,) go in at track rate; what is kept thins out evenly by way and time as the run grows.
+
+    The columns are those of :data:`COLUMNS`, as in :class:`processing.position.odometry.Odometry`: variances cumulated.
+    """
 
     def __init__(self) -> None:
         """Begin without rows."""
-        self._rows = np.zeros((_MOST_ROWS, _WIDTH))
+        self._rows = np.zeros((_MOST_ROWS, WIDTH))
         self._count = 0
+        self._tail = np.zeros((0, WIDTH))
         self.stretches: list[Stretch] = []  # gaps
 
     @property
     def last(self) -> FloatArray:
-        """The latest row (16,); see :meth:`PathRow.as_array`."""
-        return np.asarray(self._rows[self._count - 1])
+        """The latest row (16,)."""
+        return np.asarray(self._tail[-1] if len(self._tail) else self._rows[self._count - 1])
 
     def __len__(self) -> int:
-        return self._count
+        return self._count + len(self._tail)
 
-    def append(self, row: PathRow) -> None:
-        """Add a row, later than all before; during a rest it takes the place of the last one."""
-        values = row.as_array()
-        if self._count > 1 and _rests(values, self._rows[self._count - 2 : self._count]):
-            self._rows[self._count - 1] = values  # a rest is its beginning and its end
-            return
-        if self._count == _MOST_ROWS:
-            self._thin()
-        self._rows[self._count] = values
-        self._count += 1
+    def append(self, rows: FloatArray) -> None:
+        """Add rows (k, 16), later than all before; during a rest a row takes the place of the last one."""
+        for row in rows:
+            if self._count > 1 and _rests(row, self._rows[self._count - 2 : self._count]):
+                self._rows[self._count - 1] = row  # a rest is its beginning and its end
+                continue
+            if self._count == _MOST_ROWS:
+                self._thin()
+            self._rows[self._count] = row
+            self._count += 1
+
+    def set_tail(self, rows: FloatArray) -> None:
+        """Let rows (k, 16), later than those added, be the end of the way until they are set anew."""
+        self._tail = rows
 
     def odometry(self, base: Odometry) -> Odometry:
         """Return all rows as an odometry with the sigmas of ``base``; at least two rows are needed."""
 
+        table = np.vstack([self._rows[: self._count], self._tail])
+
         def of(name: str) -> FloatArray:
-            values = self._rows[: self._count, _COLUMNS[name]].copy()
+            values = table[:, COLUMNS[name]]
             return values[:, 0] if values.shape[1] == 1 else values
 
         return replace(

@@ -48,7 +48,7 @@ class SpectrumColumns:
 class StripBins:
     """Bins ``first`` … ``first + k − 1``; bin j covers ``j·bin_s`` to ``(j + 1)·bin_s`` of survey time.
 
-    ``low`` and ``high`` (k, 9) follow :data:`STRIP_CHANNELS`; NaN where no sample that can be trusted fell into the bin.
+    ``low`` and ``high`` (k, 9) follow :data:`STRIP_CHANNELS`; NaN where no trusted sample fell into the bin.
     The last bin is still growing: draw it anew from the next look.
     """
 

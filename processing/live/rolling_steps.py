@@ -7,7 +7,7 @@ the pipe after all. The way back then counts twice, forwards, at the moment at w
 import numpy as np
 
 from processing.live.attitude_stream import OrientedRows
-from processing.live.path_history import PathRow
+from processing.live.path_history import WIDTH
 from processing.orientation.quaternions import rotate
 from processing.position.odometry import GAP_S, Odometry
 from processing.position.rolling import UNKNOWN_RADIUS_M, UNKNOWN_RADIUS_SIGMA
@@ -45,12 +45,12 @@ class RollingSteps:
         self._heading_var = 0.0
         self.is_still = True
 
-    def add(self, rows: OrientedRows) -> tuple[list[PathRow], list[tuple[float, float]]]:
-        """Take rows (m,); return the path's new rows, and the gaps that lie before or among them."""
-        out: list[PathRow] = []
+    def add(self, rows: OrientedRows) -> tuple[FloatArray, list[tuple[float, float]]]:
+        """Take rows (m,); return new rows of the path (k, 16; see ``path_history``) and gaps before or among them."""
+        out: list[FloatArray] = []
         gaps: list[tuple[float, float]] = []
         if not len(rows.time_s):
-            return out, gaps
+            return np.zeros((0, WIDTH)), gaps
         rates = self._rates(rows)
         starts = np.flatnonzero(np.diff(rows.time_s, prepend=self._time_s) > GAP_S)  # nan at first: none
         for part in np.split(np.arange(len(rows.time_s)), starts):
@@ -64,7 +64,7 @@ class RollingSteps:
                 gaps.append((self._time_s, first))
                 out.append(self._over_gap(first, rates[part[0]], rows.quat_ws[part[0]]))
             out += self._advance(rows.time_s[part], rates[part], rows.quat_ws[part])
-        return out, gaps
+        return np.array(out).reshape(-1, WIDTH), gaps
 
     def _begin(self, time_s: float, rate: FloatArray) -> None:
         self._time_s = self._row_s = self._start_s = time_s
@@ -84,7 +84,7 @@ class RollingSteps:
         omega[still] = 0.0
         return self.radius_m * np.column_stack([omega[:, 1], -omega[:, 0], np.hypot(omega[:, 0], omega[:, 1])])
 
-    def _advance(self, time_s: FloatArray, rates: FloatArray, quats: FloatArray) -> list[PathRow]:
+    def _advance(self, time_s: FloatArray, rates: FloatArray, quats: FloatArray) -> list[FloatArray]:
         """Integrate on from the last row, and return what falls on the track's grid."""
         times = np.concatenate([[self._time_s], time_s])
         values = np.vstack([self._rate, rates])
@@ -106,7 +106,7 @@ class RollingSteps:
         self._time_s, self._rate, self._sums = float(times[-1]), values[-1], sums[-1]
         return out
 
-    def _over_gap(self, time_s: float, rate: FloatArray, quat_ws: FloatArray) -> PathRow:
+    def _over_gap(self, time_s: float, rate: FloatArray, quat_ws: FloatArray) -> FloatArray:
         """Carry on as before over a gap; all of the way bridged, and soon the heading, are in doubt."""
         duration = time_s - self._time_s
         self._sums = self._sums + 0.5 * min(duration, _CARRY_ON_S) * (self._rate + rate)
@@ -118,28 +118,19 @@ class RollingSteps:
         self._time_s, self._rate = time_s, rate
         return self._path_row(time_s, quat_ws, step)
 
-    def _path_row(self, time_s: float, quat_ws: FloatArray, step: FloatArray) -> PathRow:
+    def _path_row(self, time_s: float, quat_ws: FloatArray, step: FloatArray) -> FloatArray:
         duration = time_s - self._row_s
         before = self._travel.chainage_m
         self._travel.add(step[:2], float(step[2]), duration)
         gone = self._travel.chainage_m - before
-        along, up = self._settings.slip_walk**2 * gone, _HEIGHT_WALK**2 * gone
-        self._walks += [along, up, 0.0, 0.0]
+        self._walks += [self._settings.slip_walk**2 * gone, _HEIGHT_WALK**2 * gone, 0.0, 0.0]
         self._heading_var += float(np.radians(self._settings.heading_walk)) ** 2 * duration
         self._row_s = time_s
-        return PathRow(
-            time_s,
-            (float(self._row[0]), float(self._row[1]), 0.0),
-            self._travel.chainage_m,
-            float(step[2]) / duration if duration > 0.0 else 0.0,
-            quat_ws,
-            float(self._walks[0]),
-            0.25 * float(self._walks[0]),
-            float(self._walks[1]),
-            self._heading_var,
-            float(self._walks[2]),
-            float(self._walks[3]),
-        )
+        speed = float(step[2]) / duration if duration > 0.0 else 0.0
+        along, up, way, turn = self._walks.tolist()
+        place = (float(self._row[0]), float(self._row[1]), 0.0)
+        head = [time_s, *place, self._travel.chainage_m, speed, *quat_ws.tolist()]
+        return np.array([*head, along, 0.25 * along, up, self._heading_var, way, turn])
 
 
 class _Travel:

@@ -29,7 +29,8 @@ from processing.survey import ImuSamples, Survey
 
 BLOCK_S = 0.02
 LOOK_S = 10.0
-ROLLING = ("rolling", "p0-straight", "p0-closed", "p0-50m", "p1-01", "p1-04", "p1-06", "p1-09", "p1-11", "p1-14")
+ROLLING = ("rolling", "p1-01", "p1-04", "p1-06", "p1-09", "p1-11", "p1-14")
+CARRIED = ("p0-straight", "p0-closed", "p0-50m")
 RANDOM = tuple(f"random-{n}" for n in range(6))
 FOOT = ("foot-square", "foot-circle", "walk-0", "walk-1", "walk-2", "walk-3")
 
@@ -167,6 +168,10 @@ def main() -> None:
     if "rolling" in given.kinds:
         for tied in (False, True):
             table("rolling", names or ROLLING + RANDOM, given.seeds, tied)
+    for kind, usual in (("foot", FOOT), ("carried", CARRIED)):
+        if kind in given.kinds:
+            for tied in (False, True):
+                table(kind, names or usual, given.seeds, tied)
     if "cost" in given.kinds:
         cost(given.cost_minutes)
 

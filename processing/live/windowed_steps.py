@@ -1,0 +1,155 @@
+"""The free path of a carried or foot-mounted device as its samples come: the offline reckoning over a sliding window.
+
+Every second or two the window, which begins at a standstill, is reckoned as after the run: smoothed, with drift taken
+off between standstills. What lies before the last standstill but a few seconds is then settled and the window moves
+on; each one is laid onto the one before by place and heading.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from processing.live.attitude_stream import OrientedRows
+from processing.live.path_history import COLUMNS, QUAT, SUMMED, WIDTH
+from processing.orientation import quaternions as qt
+from processing.orientation.start import yaw_towards
+from processing.position.odometry import Odometry, held_back
+from processing.position.registry import METHODS
+from processing.progress import silent
+from processing.settings import PositionSettings
+from processing.survey import Attitude, FloatArray, ImuSamples, Motion, Survey
+
+_EVERY_S = 1.5
+_EVERY_SHARE = 0.08  # of the window: a long one is reckoned less often, so the cost does not grow
+_FOOT_SPAN_S = 16.0
+_CARRIED_SPAN_S = 90.0  # without a rest: then it is cut anyway
+_OVERLAP_S = (8.0, 5.0, 3.0)  # the next window begins and the settled path ends so long before now
+_REST_S = 1.0
+_LEAST_S = 1.0
+_ENERGY_S = 0.15
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Rows (k, 16) of the path that will not change, and (j, 16) that may; columns as of ``path_history``."""
+
+    rows: FloatArray
+    tail: FloatArray
+
+
+class WindowedSteps:
+    """Rows with attitudes go in; settled and provisional rows of the free path come out every second or two."""
+
+    def __init__(self, survey: Survey, settings: PositionSettings) -> None:
+        """Begin at the origin, with the method that the survey's motion asks for."""
+        wanted = survey.processing.position
+        on_foot = survey.device.motion is Motion.FOOT
+        self.method = wanted if wanted in ("zupt", "inertial") else "zupt" if on_foot else "inertial"
+        self._span_s = _FOOT_SPAN_S if self.method == "zupt" else _CARRIED_SPAN_S
+        self._survey, self._settings = survey, settings
+        self._parts: list[OrientedRows] = []
+        self._joint: FloatArray | None = None  # (16,) where the settled path ends
+        self._due_s = -np.inf
+        self._rest_since_s = np.nan
+        self.base: Odometry | None = None
+        self.is_still = True
+
+    def add(self, rows: OrientedRows, *, is_resting: bool) -> Settled | None:
+        """Take rows (m,); return the path where it was reckoned anew, None where not yet."""
+        if not len(rows.time_s):
+            return None
+        self._parts.append(rows)
+        now = float(rows.time_s[-1])
+        self.is_still = is_resting
+        if not is_resting:
+            self._rest_since_s = np.nan
+        elif np.isnan(self._rest_since_s):
+            self._rest_since_s = now
+        began = float(self._parts[0].time_s[0])
+        if now < self._due_s or now - began < _LEAST_S:
+            return None
+        self._due_s = now + max(_EVERY_S, _EVERY_SHARE * (now - began))
+        return self._reckoned(now)
+
+    def _reckoned(self, now: float) -> Settled:
+        window = _joined(self._parts)
+        self._parts = [window]
+        reckon = METHODS[self.method].reckon
+        imu = ImuSamples(window.time_s, window.acc_s_mps2, window.rate_s_radps, np.ones(len(window.time_s), np.bool_))
+        attitude = Attitude(window.quat_ws, np.zeros(3), "live")
+        odometry = held_back(reckon(imu, attitude, self._survey, self._settings, silent()))
+        self.base = odometry
+        table = _laid(odometry, self._joint)
+        fresh = table if self._joint is None else table[table[:, 0] > self._joint[0]]
+        cut = self._cut(window, now)
+        if cut is None:
+            return Settled(table[:0], fresh)
+        anchor_s, cut_s = cut
+        done = fresh[fresh[:, 0] <= cut_s]
+        self._joint = _row_at(table, cut_s)
+        self._parts = [_since(window, anchor_s)]
+        return Settled(np.vstack([done, self._joint]), fresh[len(done) :])
+
+    def _cut(self, window: OrientedRows, now: float) -> tuple[float, float] | None:
+        """Return where the next window begins and where the settled path ends; None while it is too early."""
+        began = float(window.time_s[0])
+        if self.method == "inertial" and now - self._rest_since_s >= _REST_S and now - began > 2.0 * _REST_S:
+            return now - 0.5 * _REST_S, now - 0.5 * _REST_S
+        if now - began < self._span_s:
+            return None
+        first, middle, last = (now - s for s in _OVERLAP_S)
+        return _stillest(window, first, middle), _stillest(window, middle, last)
+
+
+def _laid(odometry: Odometry, joint: FloatArray | None) -> FloatArray:
+    """Return a window's rows (m, 16), turned and shifted to pass through ``joint`` (16,), the settled path's end."""
+    table = np.zeros((len(odometry.time_s), WIDTH))
+    for name, columns in COLUMNS.items():
+        values = getattr(odometry, name)
+        if values is not None:
+            table[:, columns] = values.reshape(len(table), -1)
+    if joint is None:
+        return table
+    here = _row_at(table, float(joint[0]))
+    turn = float(yaw_towards(here[QUAT], joint[QUAT]))
+    c, s = np.cos(turn), np.sin(turn)
+    east, north = table[:, 1].copy(), table[:, 2].copy()
+    table[:, 1], table[:, 2] = c * east - s * north, s * east + c * north
+    table[:, QUAT] = qt.multiply(qt.turn_about_up(turn), table[:, QUAT])
+    here = _row_at(table, float(joint[0]))
+    table[:, SUMMED] += joint[SUMMED] - here[SUMMED]
+    return table
+
+
+def _row_at(table: FloatArray, time_s: float) -> FloatArray:
+    """Return the row (16,) at a moment between two."""
+    row = np.array([np.interp(time_s, table[:, 0], column) for column in table.T])
+    row[0] = time_s
+    row[QUAT] = table[int(np.argmin(np.abs(table[:, 0] - time_s))), QUAT]
+    return row
+
+
+def _stillest(window: OrientedRows, start_s: float, end_s: float) -> float:
+    """Return the moment between two at which the device turned least for a sixth of a second: amid a stance."""
+    from scipy.ndimage import uniform_filter1d
+
+    part = slice(*np.searchsorted(window.time_s, [start_s, end_s]).tolist())
+    rate = window.rate_s_radps[part]
+    if not len(rate):  # a gap
+        return start_s
+    energy = np.einsum("ij,ij->i", rate, rate)
+    period = (window.time_s[-1] - window.time_s[0]) / max(len(window.time_s) - 1, 1)
+    width = max(round(_ENERGY_S / period), 1)
+    return float(window.time_s[part][int(np.argmin(uniform_filter1d(energy, width, mode="nearest")))])
+
+
+def _joined(parts: list[OrientedRows]) -> OrientedRows:
+    names = ("time_s", "acc_s_mps2", "rate_s_radps", "quat_ws")
+    return OrientedRows(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
+
+
+def _since(window: OrientedRows, time_s: float) -> OrientedRows:
+    first = int(np.searchsorted(window.time_s, time_s))
+    return OrientedRows(
+        window.time_s[first:], window.acc_s_mps2[first:], window.rate_s_radps[first:], window.quat_ws[first:]
+    )
