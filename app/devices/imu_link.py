@@ -79,7 +79,7 @@ class ImuLink:
         self._on_bytes, self._on_state = on_bytes, on_state
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="imu link", daemon=True)
-        self._was_open = False
+        self.opened = 0  # how often
         self.state = LinkState.OFF
         self.reason = ""
         self.detail = ""  # the system's words about the reason, or the ports that there are
@@ -113,7 +113,7 @@ class ImuLink:
         while not self._stop.is_set():
             try:
                 link = self._source.open(self._stop.is_set)
-                self.device, self._was_open = link.device, True
+                self.device, self.opened = link.device, self.opened + 1
                 try:
                     self._listen(link)
                 finally:
@@ -123,7 +123,7 @@ class ImuLink:
                     return
                 if self.state is LinkState.LIVE:
                     wait_s = _RETRY_S[0]
-                self._tell(LinkState.LOST if self._was_open else LinkState.WAITING, fault.reason, fault.detail)
+                self._tell(LinkState.LOST if self.opened else LinkState.WAITING, fault.reason, fault.detail)
                 self._stop.wait(wait_s)
                 wait_s = min(2.0 * wait_s, _RETRY_S[1])
 

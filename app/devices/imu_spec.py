@@ -14,7 +14,7 @@ _BAUDS = (300, 20_000_000)
 _PORTS = (1, 65535)
 NONE = "none"
 _PROTOCOL = re.compile(r"(?P<rest>.*?)(?:,\s*protocol\s*=\s*(?P<protocol>[a-z0-9]+))?", re.DOTALL | re.IGNORECASE)
-_SERIAL = re.compile(r"(?P<name>.+?)(?:@(?P<baud>\d{1,9}))?", re.DOTALL)
+_SERIAL = re.compile(r"(?P<name>.*?)(?:@(?P<baud>\d{1,9}))?", re.DOTALL)
 # a name, an IPv4 address, or an IPv6 address in brackets
 _PLACE = re.compile(r"(?:(?P<host>[^\s:\[\]@,/]+|\[[0-9a-f:.%\w]+\]):)?(?P<port>\d{1,5})", re.IGNORECASE)
 
