@@ -68,6 +68,7 @@ class RowSender:
         self._thread = threading.Thread(target=self._run, name="simulated ball", daemon=True)
         self._begun = 0.0
         self._header_due = 0.0
+        self._looked_s, self._is_heard = 0.0, False
         self._events = _events(plan)
         self.error: Exception | None = None
         self.sent = 0
@@ -136,7 +137,7 @@ class RowSender:
     def _write_rows(self, which: range, wired: list[bytes], fates: list[Fate], rows: Rows, encoder: Encoder) -> None:
         """Send samples that are due, and write into ``fates`` what became of them."""
         going = [row for row in which if fates[row] in {Fate.SENT, Fate.TWICE}]
-        heard = self._port.is_heard()
+        heard = self._look()
         pieces = [wired[row] for row in going]
         extra = 0
         if heard and going and self._header_is_due() and (header := encoder.header()):
@@ -150,6 +151,13 @@ class RowSender:
             elif rows.noise[row] and not encoder.is_checked:
                 fates[row] = Fate.SPOILT
 
+    def _look(self) -> bool:
+        """Return whether somebody listens, as of a moment ago: asking before each sample costs more than sending it."""
+        now = time.monotonic()
+        if now - self._looked_s >= _LOOK_S:
+            self._looked_s, self._is_heard = now, self._port.is_heard()
+        return self._is_heard
+
     def _header_is_due(self) -> bool:
         now = time.monotonic()
         if not self._port.is_fresh and now < self._header_due:
@@ -160,10 +168,13 @@ class RowSender:
     def _sleep_until(self, host_s: float) -> bool:
         """Wait, looking after listeners and faults meanwhile; return False when it shall end."""
         while (left := host_s - time.monotonic()) > 0:
-            if self._stop.wait(min(left, _LOOK_S)):
+            time.sleep(
+                min(left, _LOOK_S)
+            )  # waiting for the event takes more of the processor, a thousand times a second
+            if self._stop.is_set():
                 return False
             if left > _LOOK_S:
-                self._port.is_heard()
+                self._look()
                 self._happen(time.monotonic())
         return not self._stop.is_set()
 
@@ -173,6 +184,7 @@ class RowSender:
             _, fault, begins = self._events.pop(0)
             if fault.kind is FaultKind.UNPLUG:
                 (self._port.unplug if begins else self._port.replug)()
+                self._looked_s = 0.0
             if begins:
                 self._on_fault(fault)
                 if self._truth is not None:
