@@ -33,6 +33,7 @@ class Needs(StrEnum):
     RESULTS = "results"  # it has been processed, and a review page is in front
     CANDIDATE = "candidate"  # and a candidate is selected
     WRITABLE = "writable"  # and the survey may be changed
+    RECORDING = "recording"  # the recording page is in front
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,12 @@ def _row(
 N = QT_TRANSLATE_NOOP
 ACTIONS: tuple[ActionRow, ...] = (
     # file
+    _row("record", N("Actions", "Record…"), "Ctrl+N", Page.FILE, "recording.show",
+         N("Actions", "Show the recording page: devices, levels, live path"), short=N("Actions", "Record")),
+    _row("record_press", N("Actions", "Record or stop"), "F5", Page.FILE, "recording.press",
+         N("Actions", "Begin the recording; to stop it, press twice within three seconds"), Needs.RECORDING),
+    _row("clear_clip", N("Actions", "Clip light out"), "Q", Page.FILE, "recording.clear_clip",
+         N("Actions", "Put out the light that says the sound was too loud"), Needs.RECORDING),
     _row("open", N("Actions", "Open folder…"), "Ctrl+O", Page.FILE, "files.ask_open",
          N("Actions", "Open a device folder or a saved survey"), short=N("Actions", "Open")),
     _row("demo", N("Actions", "Demonstration survey"), "Ctrl+D", Page.FILE, "files.open_demo",
@@ -93,8 +100,8 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Close this survey; everything is saved already"), Needs.SURVEY),
     _row("quit", N("Actions", "Quit"), "Ctrl+Q", Page.FILE, "close", N("Actions", "Close Leakline; nothing is lost")),
     # edit
-    _row("undo", N("Actions", "Undo"), "Ctrl+Z", Page.EDIT, "review.undo",
-         N("Actions", "Take the last change back"), Needs.SURVEY),
+    _row("undo", N("Actions", "Undo"), "Ctrl+Z", Page.EDIT, "shared.undo",
+         N("Actions", "Take the last change back; while recording, the last marker"), Needs.SURVEY),
     _row("redo", N("Actions", "Redo"), "Ctrl+Y", Page.EDIT, "review.redo",
          N("Actions", "Do the change again that was taken back"), Needs.SURVEY),
     # review
@@ -120,8 +127,9 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Show what speaks for and against a leak here, or the list again"), Needs.CANDIDATE),
     _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
          N("Actions", "Bring the cursor and all views to the selected candidate"), Needs.CANDIDATE),
-    _row("mark", N("Actions", "Mark a leak here"), "M", Page.REVIEW, "review.mark_here",
-         N("Actions", "Add a candidate at the cursor that the machine missed"), Needs.RESULTS,
+    _row("mark", N("Actions", "Mark a leak here"), "M F6", Page.REVIEW, "shared.mark",
+         N("Actions", "Add a candidate at the cursor that the machine missed; while recording, what is passed now"),
+         Needs.RESULTS,
          short=N("Actions", "Mark")),
     _row("tie", N("Actions", "Tie point here"), "T", Page.REVIEW, "path.ties.add_here",
          N("Actions", "Add a tie point at the cursor: a place the device is known to have passed then"), Needs.RESULTS),

@@ -3,12 +3,16 @@
 from collections.abc import Mapping
 
 from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QPlainTextEdit, QTextEdit, QWidget
 
 from app.actions import ACTIONS, Needs
+from app.recording_entry import RecordingEntry
 from app.survey_session import SurveySession
 
 
-def show_enabled(actions_by_id: Mapping[str, QAction], session: SurveySession, *, reviewing: bool) -> None:
+def show_enabled(
+    actions_by_id: Mapping[str, QAction], session: SurveySession, recording: RecordingEntry, *, reviewing: bool
+) -> None:
     """Enable what can be done; ``reviewing`` tells whether a review page with results is in front."""
     met = {
         Needs.NOTHING: True,
@@ -16,11 +20,12 @@ def show_enabled(actions_by_id: Mapping[str, QAction], session: SurveySession, *
         Needs.RESULTS: reviewing,
         Needs.CANDIDATE: reviewing and session.selected is not None,
         Needs.WRITABLE: session.writable,
+        Needs.RECORDING: recording.in_front,
     }
     for row in ACTIONS:
         actions_by_id[row.id].setEnabled(met[row.needs])
-    for name in ("mark", "tie"):
-        actions_by_id[name].setEnabled(reviewing and session.writable)
+    actions_by_id["mark"].setEnabled((reviewing and session.writable) or recording.can_mark)
+    actions_by_id["tie"].setEnabled(reviewing and session.writable)
     actions_by_id["export"].setEnabled(session.results is not None)
     stack = session.undo_stack
     for name, able, text in (
@@ -31,3 +36,12 @@ def show_enabled(actions_by_id: Mapping[str, QAction], session: SurveySession, *
         action.setEnabled(able and session.folder is not None)
         action.setStatusTip(text)
         action.setToolTip(f"{action.text()}: {text}" if text else action.text())
+    if recording.in_front:
+        actions_by_id["undo"].setEnabled(recording.can_undo)
+        actions_by_id["redo"].setEnabled(False)
+
+
+def is_typing(widget: QWidget | None) -> bool:
+    """Tell whether a widget takes letters, so that keys without Ctrl are its own."""
+    fields = QLineEdit | QTextEdit | QPlainTextEdit | QAbstractSpinBox
+    return isinstance(widget, fields) or (isinstance(widget, QComboBox) and widget.isEditable())

@@ -1,24 +1,13 @@
 """The main window: a step bar of pages (data, path, sound, leaks, report), menus from the action table, job strip."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import (
-    QAbstractSpinBox,
-    QApplication,
-    QComboBox,
-    QHBoxLayout,
-    QLineEdit,
-    QMainWindow,
-    QPlainTextEdit,
-    QStackedWidget,
-    QTextEdit,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from app import actions, appearance, enabling
 from app.actions import ACTIONS, PAGE_TITLES, Page
@@ -39,11 +28,14 @@ from app.notices import Notices
 from app.path_controls import PathControls
 from app.player import Player
 from app.preset_control import PresetControl
+from app.recording_entry import RecordingEntry
+from app.recording_parts import RecordingKit
 from app.report_control import ReportControl
 from app.review_control import ReviewControl
 from app.review_page import ReviewPage
 from app.route_control import RouteControl
 from app.settings import PreferencesStore
+from app.shared_keys import SharedKeys
 from app.spectrogram_control import SpectrogramControl
 from app.spectrum_control import SpectrumControl
 from app.survey_session import SurveySession
@@ -56,7 +48,7 @@ from widgets.start_page import StartPage
 from widgets.step_bar import StepBar
 
 REVIEW_PAGES = ("path", "sound", "leaks")
-TOOLS = ("open", "undo", "redo", "mark", "export", "correlator")
+TOOLS = ("record", "open", "undo", "redo", "mark", "export", "correlator")
 
 
 @dataclass(frozen=True)
@@ -69,6 +61,7 @@ class Services:
     log_file: Path | None = None
     make_sink: Callable[[float], Sink] = open_sink
     why_silent: Callable[[], str | None] = why_silent
+    recording: RecordingKit | None = None  # None: the real devices
 
 
 class MainWindow(QMainWindow):
@@ -111,6 +104,10 @@ class MainWindow(QMainWindow):
         self.correlator = CorrelatorEntry(
             services.jobs, self._preferences, language, self._plain_pages, self._stack, self, lambda: self.page
         )
+        self.recording = RecordingEntry(
+            self._preferences, language, self._plain_pages, self._stack, self, services.recording, time.monotonic
+        )
+        self.shared = SharedKeys(self.recording, self.review)
         self.help = HelpControl(self, services.log_file)
         self.actions_by_id = actions.build(self, self)
         self._build_menus()
@@ -158,6 +155,7 @@ class MainWindow(QMainWindow):
         right = QVBoxLayout()
         right.setSpacing(0)
         right.addWidget(self.notices.banner)
+        right.addWidget(self.recording.strip)
         right.addWidget(self._stack, 1)
         right.addWidget(self.notices.told)
         right.addWidget(self._strip)
@@ -187,6 +185,12 @@ class MainWindow(QMainWindow):
         session.undo_stack.indexChanged.connect(self._show_enabled)
         jobs.started.connect(self._on_job)
         jobs.failed.connect(self._on_failure)
+        self.recording.told.connect(self.notices.tell)
+        self.recording.page_asked.connect(self.show_page)
+        self.recording.process_asked.connect(self.files.open_path)
+        self.recording.changed.connect(self._show_enabled)
+        self.recording.close_asked.connect(self.close)
+        self.start_page.record_asked.connect(self.recording.show)
         self.start_page.open_asked.connect(self.files.ask_open)
         self.start_page.demo_asked.connect(self.files.open_demo)
         self.start_page.recent_chosen.connect(lambda text: self.files.open_path(Path(text)))
@@ -215,7 +219,7 @@ class MainWindow(QMainWindow):
     # --- pages ---
 
     def show_page(self, page: str) -> None:
-        """Show ``start``, ``data``, ``path``, ``sound``, ``leaks``, ``report`` or ``correlator``."""
+        """Show ``start``, ``data``, ``path``, ``sound``, ``leaks``, ``report``, ``correlator`` or ``recording``."""
         if page in REVIEW_PAGES and self._session.results is None:
             page = "sound" if page == "sound" and self.first_sound.is_shown else "data"
         self.page = page
@@ -228,7 +232,7 @@ class MainWindow(QMainWindow):
             self._stack.setCurrentWidget(self._plain_pages[page])
         if page == "report":
             self.report.refresh()
-        if page not in ("start", "correlator"):
+        if page not in ("start", "correlator", "recording"):
             self.step_bar.set_current(page)
         self._show_enabled()
 
@@ -297,7 +301,7 @@ class MainWindow(QMainWindow):
     def _show_enabled(self) -> None:
         session = self._session
         reviewing = session.results is not None and self.page in REVIEW_PAGES
-        enabling.show_enabled(self.actions_by_id, session, reviewing=reviewing)
+        enabling.show_enabled(self.actions_by_id, session, self.recording, reviewing=reviewing)
         self.actions_by_id["route"].setEnabled(self.route.ready)
         self.actions_by_id["route_remove"].setEnabled(self.route.ready and self.data_page.survey.route is not None)
         for page in (*REVIEW_PAGES, "report"):
@@ -306,9 +310,7 @@ class MainWindow(QMainWindow):
         self.step_bar.set_enabled("data", enabled=session.folder is not None or self.files.previewing)
 
     def _on_focus(self, _old: QWidget | None, new: QWidget | None) -> None:
-        typing = isinstance(new, QLineEdit | QTextEdit | QPlainTextEdit | QAbstractSpinBox) or (
-            isinstance(new, QComboBox) and new.isEditable()
-        )
+        typing = enabling.is_typing(new)
         if typing != self._typing:
             self._typing = typing
             actions.arm_keys(self.actions_by_id, typing=typing)
@@ -351,10 +353,11 @@ class MainWindow(QMainWindow):
         appearance.apply_theme(application, self._theme)
         self.review_page.apply_theme(self._theme)
         self.correlator.apply_theme(self._theme)
+        self.recording.apply_theme(self._theme)
 
     def toggle_language(self) -> None:
         """Ask for the window again in the other language."""
-        if self._services.jobs.running:
+        if self._services.jobs.running or self.recording.recording:
             self.boxes.tell(self.tr("Please wait until the work in progress has ended."))
             return
         self.language_asked.emit("tr" if self._language == "en" else "en")
@@ -378,7 +381,11 @@ class MainWindow(QMainWindow):
             QTimer.singleShot(0, self, lambda: self.route.take_dropped(paths[0]))
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Qt: put what is still being typed on disk; everything else is there already."""
+        """Qt: put what is still being typed on disk; everything else is there already, unless a recording runs."""
+        if not self.recording.may_close():
+            event.ignore()
+            return
+        self.recording.stop()
         self.review_page.decision.flush()
         self.player.stop()
         self.spectrum.forget()

@@ -33,6 +33,7 @@ class Preferences:
     recent_crs: list[str] = field(default_factory=list)  # EPSG codes chosen for routes, newest first
     sound_view: dict[str, str] = field(default_factory=dict)  # scale, plane, colours and axis of the spectrogram
     correlator_folder: str = ""  # where recordings and sessions of the correlator were last
+    recording: dict[str, str] = field(default_factory=dict)  # devices, names and folder of the recording page
 
 
 class PreferencesStore:
@@ -78,7 +79,7 @@ class PreferencesStore:
         kept = {k: v for k, v in found.items() if k in known and isinstance(v, type(known[k]))}
         kept["recent"] = [r for r in kept.get("recent", []) if isinstance(r, str)][:MAX_RECENT]
         kept["recent_crs"] = [c for c in kept.get("recent_crs", []) if isinstance(c, str)][:MAX_RECENT]
-        for name in ("splitters", "sound_view"):
+        for name in ("splitters", "sound_view", "recording"):
             kept[name] = {k: v for k, v in kept.get(name, {}).items() if isinstance(v, str)}
         return Preferences(**kept)
 

@@ -1,4 +1,4 @@
-"""What the window shows while nothing is open: open a folder, a recent survey, or the demonstration."""
+"""What the window shows while nothing is open: record, open a folder, a recent survey, or the demonstration."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,6 +22,7 @@ class StartPage(QWidget):
     """Signals out; it opens nothing itself."""
 
     open_asked = Signal()
+    record_asked = Signal()
     demo_asked = Signal()
     recent_chosen = Signal(str)
 
@@ -31,14 +32,16 @@ class StartPage(QWidget):
         title.setStyleSheet("font-size: 30pt; font-weight: bold")
         claim = QLabel(self.tr("From the folder off the device to a leak on the map, the same day."))
         claim.setWordWrap(True)
+        self._record = self._button("start_record", self.tr("●  Record"), self.record_asked)
+        self._record.setMinimumHeight(76)
         self._open = self._button("start_open", self.tr("Open the device's folder…"), self.open_asked)
         self._demo = self._button("start_demo", self.tr("Look at the demonstration"), self.demo_asked)
         drop = QLabel(self.tr("or drop a folder anywhere on this window"))
         drop.setAlignment(Qt.AlignmentFlag.AlignCenter)
         drop.setFrameShape(QFrame.Shape.StyledPanel)
-        drop.setMinimumHeight(120)
+        drop.setMinimumHeight(72)
         left = QVBoxLayout()
-        for widget in (title, claim, self._open, self._demo, drop):
+        for widget in (title, claim, self._record, self._open, self._demo, drop):
             left.addWidget(widget)
         left.addStretch(1)
         self._recent = QListWidget()

@@ -35,7 +35,7 @@ class StepBar(QWidget):
     def add_tools(self, tools: Sequence[QAction]) -> None:
         """Add buttons for actions below the pages."""
         for action in tools:
-            button = self._button("", 46)
+            button = self._button("", 42)
             button.setDefaultAction(action)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
             button.setObjectName(f"tool_{action.objectName()}")
