@@ -106,6 +106,7 @@ class MotionIntake:
         self._axis: _Axis | None = None
         self._fitted_s = 0.0
         self._is_clock_told = self._is_unknown_told = False
+        self._final: MotionStatus | None = None  # of the recording that has ended
         self._thread = threading.Thread(target=self._work, name="motion", daemon=True)
 
     # --- from any thread
@@ -129,18 +130,18 @@ class MotionIntake:
             self._sink, self._axis = sink, None
             self._counts = MotionStatus()
             self._untold_garbage = 0
-            self._is_clock_told = False
+            self._is_clock_told, self._final = False, None
 
     def end(self) -> None:
         """Write no more; what was taken in until now is with the sink when this returns."""
         with self._lock:
-            self._sink = None
+            self._sink, self._final = None, self._counts
 
     def status(self) -> MotionStatus:
         """Return one look; never waits for a sample or the disc."""
         now = time.monotonic()
         return replace(
-            self._counts,
+            self._final or self._counts,
             state=self.state(now),
             device=self._link.device or str(self.choice),
             protocol=self._decoder.name,

@@ -87,6 +87,7 @@ class SoundIntake:
         self._now: tuple[float, float] | None = None  # when the last frame was digitised, and its audio time
         self._frames = self._lost = self._gaps = 0  # of the recording, or since opening
         self._written = 0  # frames of the file, silence too
+        self._final: tuple[int, int, int] | None = None  # frames, lost, gaps of the recording that has ended
         self._end_host_s: float | None = None  # when the last frame was digitised, recording or not
         self._clock: tuple[float, float] | None = None
         self._rate_hz = 0.0
@@ -127,6 +128,7 @@ class SoundIntake:
             self._now = None
             self._frames = self._lost = self._gaps = self._written = 0
             self._is_silence_told = self._is_clock_told = False
+            self._final = None
 
     def end(self, until_host_s: float = 0.0, patience_s: float = 0.0) -> None:
         """Write no more, after what was digitised before ``until_host_s`` has come, if it comes in time."""
@@ -136,16 +138,17 @@ class SoundIntake:
                 break
             time.sleep(_LOOK_S)
         with self._lock:
-            self._sink = None
+            self._sink, self._final = None, (self._frames, self._lost, self._gaps)
 
     def status(self) -> SoundStatus:
         """Return one look: frames and gaps are those of the recording, if there is one."""
         ppm, sigma_ppm = self._clock or (None, None)
+        frames, lost, gaps = self._final or (self._frames, self._lost, self._gaps)
         return replace(
             self._input.status(),
-            frames=self._frames,
-            lost_frames=self._lost,
-            gaps=self._gaps,
+            frames=frames,
+            lost_frames=lost,
+            gaps=gaps,
             clock_ppm=ppm,
             clock_sigma_ppm=sigma_ppm,
         )

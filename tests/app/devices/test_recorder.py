@@ -137,7 +137,9 @@ def test_what_comes_between_start_and_stop_is_written_to_the_last_bit_and_nothin
         one.mic.give(part)
     assert one.recorder.stop() == folder
     one.mic.give(noise(800, 2, seed=2))
-    one.move()
+    one.ball.give(sent(motion(40, one.sent)))
+    status = one.recorder.status()
+    assert (status.sound.frames, status.motion.samples) == (1134, 61), "of the recording, not of what comes after it"
     np.testing.assert_array_equal(sound_of(folder), np.concatenate(parts))
     found = motion_of(folder)
     np.testing.assert_array_equal(found.acc_s_mps2, np.concatenate([f.acc_s_mps2 for f in frames]))
