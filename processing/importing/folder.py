@@ -13,6 +13,7 @@ from processing.importing.sound_files import compare_lengths, pick_audio, raw_fo
 from processing.progress import Progress, silent
 from processing.settings import ImportSettings
 from processing.sound.source import open_audio
+from processing.storage.unfinished import ending_findings
 from processing.survey import AudioSource, Finding, ImportedFile, Recording, Severity, Survey
 
 __all__ = [
@@ -47,7 +48,7 @@ def import_folder(
     progress.update(0.0, "import_looking")
     survey, survey_findings, survey_file = survey_of(path)
     folder, files = folder_of(path), files_of(path)
-    findings = list(survey_findings)
+    findings = [*survey_findings, *ending_findings(folder)]
     imu_file, more = imu_of(path, files, options)
     findings += more
     sounds, more = (options.audio_files, ()) if options.audio_files else pick_audio(folder, files, survey.audio)

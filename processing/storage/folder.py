@@ -21,7 +21,7 @@ from processing.storage.database import Database, check_header, open_read_only, 
 from processing.storage.files import hash_file, safe_name, writing
 from processing.storage.lock import Lock, acquire
 from processing.storage.review import ReviewStore
-from processing.storage.unfinished import RESERVE_NAME, files_without_sum, recording_findings, with_sums
+from processing.storage.unfinished import RESERVE_NAME, files_without_sum, running_findings, with_sums
 from processing.survey import Finding, ImportedFile, Params, Run, Severity, Survey
 
 
@@ -84,7 +84,7 @@ class SurveyFolder:
         if lock is not None and database.read_only:
             lock.release()
             lock = None
-        findings += recording_findings(path, is_ours=lock is not None)
+        findings += running_findings(path) if lock is None else ()
         return cls(path, database, lock, tuple(findings))
 
     @classmethod

@@ -42,6 +42,11 @@ class Ending:
         """The first thing that went wrong; the recording ends by it."""
         return self._fault
 
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more is taken: from the moment on at which the fault can be seen."""
+        return self._fault is not None or self.asked.is_set()
+
     def ask(self) -> None:
         """End the recording: nothing more is taken."""
         self.asked.set()
@@ -89,7 +94,7 @@ class Streams:
     def put_sound(self, piece: bytes | int) -> None:
         """Take packed frames or a number of silent ones; nothing once the recording ends."""
         with self._lock:
-            if not self._ending.asked.is_set():
+            if not self._ending.is_over:
                 self._pieces.append(piece)
                 self._waiting_bytes += 0 if isinstance(piece, int) else len(piece)
         self._check_waiting()
@@ -97,7 +102,7 @@ class Streams:
     def put_motion(self, frames: Frames) -> None:
         """Take motion samples; nothing once the recording ends."""
         with self._lock:
-            if not self._ending.asked.is_set():
+            if not self._ending.is_over:
                 self._frames.append(frames)
                 self._waiting_bytes += _FRAME_BYTES * len(frames)
         self._check_waiting()

@@ -104,8 +104,7 @@ class RecordingWriter:
     def _start(self, *, motion: bool, part_s: float, operator: str) -> None:
         sound = self._sound
         form = None if sound is None else {field.name: getattr(sound, field.name) for field in fields(sound)}
-        version = metadata.version("leakline")
-        started = {"version": version, "operator": operator, "part_s": part_s, "sound": form, "motion": motion}
+        started = {"version": _version(), "operator": operator, "part_s": part_s, "sound": form, "motion": motion}
         self._keeper.note(JournalEvent.STARTED, started, urgent=True)
         self._keeper.start(self._streams)
         self._streams.start()
@@ -222,3 +221,10 @@ class RecordingWriter:
         if self._ending.bug is not None:
             raise self._ending.bug
         return self.path
+
+
+def _version() -> str:
+    try:
+        return metadata.version("leakline")
+    except metadata.PackageNotFoundError:  # run from its sources
+        return ""

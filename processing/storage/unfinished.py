@@ -43,18 +43,20 @@ def with_sums(
     return tuple(done)
 
 
-def recording_findings(folder: Path, *, is_ours: bool) -> tuple[Finding, ...]:
-    """Tell of a recording that is running, or was never stopped; ``is_ours``: we hold the folder's lock."""
-    findings = []
-    for journal in sorted(folder.glob(f"recordings/*/original/{JOURNAL_NAME}")):
-        try:
-            if is_ended(journal):
-                continue
-        except LeaklineError:  # gone meanwhile, or unreadable: the import tells it with its place
-            continue
-        is_running = not is_ours and (folder / LOCK_NAME).exists() and not is_abandoned(folder)
-        code, severity = (
-            ("recording_running", Severity.INFO) if is_running else ("recording_unfinished", Severity.WARNING)
-        )
-        findings.append(Finding(code, severity))
-    return tuple(findings)
+def running_findings(folder: Path) -> tuple[Finding, ...]:
+    """Tell of a recording in the survey ``folder`` that somebody is writing at this moment."""
+    if not (folder / LOCK_NAME).exists() or is_abandoned(folder):
+        return ()
+    originals = (journal.parent for journal in folder.glob(f"recordings/*/original/{JOURNAL_NAME}"))
+    return (Finding("recording_running", Severity.INFO),) if any(map(ending_findings, originals)) else ()
+
+
+def ending_findings(original: Path) -> tuple[Finding, ...]:
+    """Tell of a live recording, whose files are in ``original``, that has no end: it runs, or was killed."""
+    journal = original / JOURNAL_NAME
+    try:
+        if not journal.is_file() or is_ended(journal):
+            return ()
+    except LeaklineError:  # not to be read: nothing can be said of its end
+        return ()
+    return (Finding("recording_unfinished", Severity.WARNING),)
