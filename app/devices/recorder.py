@@ -20,10 +20,13 @@ from app.devices.motion_intake import LinkMaker, MotionIntake
 from app.devices.recorder_events import Happenings
 from app.devices.recording_plan import RecordingPlan, dated, writer_target
 from app.devices.sound_intake import InputMaker, SoundIntake
+from app.devices.take import Mark, Take
 from processing.errors import ErrorCode, LeaklineError
+from processing.live.check_sheet import CheckSheet
 from processing.live.decoders import decoder_named
 from processing.live.sound_timeline import ClockGuess, sound_to_survey
 from processing.live.stream import DiscStatus, MotionStatus, RecordingState, RecordingStatus, SoundStatus
+from processing.storage.journal import JournalEvent
 from processing.storage.recording_writer import RecordingWriter
 from processing.survey import Severity, Survey, TiePoint
 
@@ -48,29 +51,6 @@ class Makers:
     writer: WriterMaker = RecordingWriter.create
 
 
-@dataclass(frozen=True)
-class _Mark:
-    """A marker, and when it was set: survey time may be known better, or at all, only later."""
-
-    point: TiePoint
-    told: TiePoint  # as it was when it was set
-    host_s: float
-    is_on_motion: bool  # its time is that of the IMU's clock, which all others give way to
-
-
-class _Take:
-    """One recording under way."""
-
-    def __init__(self, writer: RecordingWriter) -> None:
-        self.writer = writer
-        self.began_s = time.monotonic()
-        self.ended_s: float | None = None
-        self.marks: list[_Mark] = []
-        self.clock_due_s = self.began_s + 2.0
-        self.is_plan_told = False
-        self.done = threading.Event()
-
-
 class Recorder:
     """All methods may be called from any thread; :meth:`close` ends everything and may be called at any time."""
 
@@ -88,7 +68,7 @@ class Recorder:
             self._motion = MotionIntake(plan.motion, makers.imu_link, decoder, self._told, self.feed)
         self._lock = threading.RLock()  # of starting, stopping and marking; never held while a stream waits
         self._state = RecordingState.MONITORING
-        self._take: _Take | None = None
+        self._take: Take | None = None
         self._fault: LeaklineError | None = None
         self._opened_s = time.monotonic()
         self._is_closed = False
@@ -172,7 +152,7 @@ class Recorder:
                 part_s=plan.part_s,
                 operator=plan.operator,
             )
-            take = _Take(writer)
+            take = Take(writer)
             self._fault = None
             self._told.clear()
             self._told.attach(writer)
@@ -207,7 +187,7 @@ class Recorder:
             take = self._running()
             point = TiePoint(name, round(self._survey_s(take, now), 3), chainage_m=chainage_m, **place)
             take.writer.mark(point)
-            take.marks.append(_Mark(point, point, now, self._is_on_motion(now)))
+            take.marks.append(Mark(point, point, now, self._is_on_motion(now)))
         self._wait_stored(take)
         return point
 
@@ -224,7 +204,7 @@ class Recorder:
                 raise ValueError(f"no such marker: {old}")
             take.writer.amend(mark.point, new)
             at = take.marks.index(mark)
-            take.marks[at : at + 1] = [] if new is None else [_Mark(new, new, mark.host_s, mark.is_on_motion)]
+            take.marks[at : at + 1] = [] if new is None else [Mark(new, new, mark.host_s, mark.is_on_motion)]
         self._wait_stored(take)
 
     def unmark(self) -> TiePoint | None:
@@ -258,6 +238,10 @@ class Recorder:
             self._finish(take)
         take.done.wait(_STOP_S)
         return take.writer.path
+
+    def keep_sheet(self, sheet: CheckSheet) -> None:
+        """Keep the sheet of a check with the recording under way; without one it is passed over."""
+        self._told.note(JournalEvent.CHECK, **sheet.to_json())
 
     # --- one look
 
@@ -294,20 +278,20 @@ class Recorder:
 
     # --- inside
 
-    def _running(self) -> _Take:
+    def _running(self) -> Take:
         take = self._take
         if take is None or self._state is not RecordingState.RECORDING:
             raise LeaklineError(ErrorCode.RECORDING_NOT_RUNNING)
         return take
 
-    def _wait_stored(self, take: _Take) -> None:
+    def _wait_stored(self, take: Take) -> None:
         if not take.writer.wait_stored(MARK_S):
             log.warning("the disc has not taken a marker within %.0f s", MARK_S)
 
     def _is_on_motion(self, host_s: float) -> bool:
         return self._motion is not None and self._motion.survey_s(host_s) is not None
 
-    def _survey_s(self, take: _Take, host_s: float) -> float:
+    def _survey_s(self, take: Take, host_s: float) -> float:
         """Return survey time, on the axis that there is: motion, else sound, else this computer's."""
         motion = None if self._motion is None else self._motion.survey_s(host_s)
         if motion is not None:
@@ -315,7 +299,7 @@ class Recorder:
         sound = None if self._sound is None else self._sound.audio_s(host_s)
         return host_s - take.began_s if sound is None else sound
 
-    def _finish(self, take: _Take) -> None:
+    def _finish(self, take: Take) -> None:
         """Bring a recording to its end: in the thread that asked, once."""
         take.ended_s = time.monotonic()
         try:
@@ -363,7 +347,7 @@ class Recorder:
             self._settle(take)
         self._look_at_plan(take, now)
 
-    def _settle(self, take: _Take) -> None:
+    def _settle(self, take: Take) -> None:
         """Keep what is known by now about the clocks, and with it the times of markers set before there was motion."""
         guess = self.clock()
         if guess is not None:
@@ -379,7 +363,7 @@ class Recorder:
                 take.writer.amend(mark.point, point)
                 take.marks[at] = replace(mark, point=point, is_on_motion=True)
 
-    def _look_at_plan(self, take: _Take, now: float) -> None:
+    def _look_at_plan(self, take: Take, now: float) -> None:
         left_s, planned_s = take.writer.status().seconds_left, self.plan.planned_s
         if take.is_plan_told or not planned_s or left_s is None or now - take.began_s < PLAN_TOLD_AFTER_S:
             return
