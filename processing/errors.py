@@ -76,6 +76,7 @@ class ErrorCode(StrEnum):
     SOUND_DEVICE_REFUSED = "sound_device_refused"
     SOUND_DEVICE_GONE = "sound_device_gone"
     SOUND_SYSTEM_HANGS = "sound_system_hangs"
+    SOUND_DEVICE_SWAPPED = "sound_device_swapped"
 
 
 @dataclass(frozen=True)

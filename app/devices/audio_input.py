@@ -14,6 +14,7 @@ from collections.abc import Callable
 from app.devices import portaudio
 from app.devices.audio_devices import AudioDevice, list_inputs, named
 from app.devices.audio_placing import Placing
+from app.devices.audio_source import Source, is_same, source_behind
 from app.devices.audio_spec import AudioChoice
 from app.devices.audio_stream import Callback, Chunk, Handover, Opener, OpenInput, open_input, suitable_rate
 from processing.errors import ErrorCode, LeaklineError
@@ -26,6 +27,7 @@ QUEUE_S = 30.0  # of sound; a disc that stalls for longer costs sound, not the c
 SILENT_S = 0.8  # without a callback
 LOST_S = 2.0
 RETRY_S = 1.0
+SOURCE_S = 5.0  # how often to look whether the sound server feeds us from another device; costs 5 ms
 _LOOK_S = 0.1
 
 
@@ -42,15 +44,18 @@ class AudioInput:
         *,
         open_device: Opener = open_input,
         devices: Callable[[], tuple[AudioDevice, ...]] = list_inputs,
+        source_of: Callable[[AudioDevice], Source | None] = source_behind,
         queue_s: float = QUEUE_S,
     ) -> None:
         self._choice, self._on_block, self._open_device, self._devices = choice, on_block, open_device, devices
+        self._source_of = source_of
         self._handover = Handover(queue_s)
         self._stop = threading.Event()
         self._lock = threading.Lock()
         self._state = LinkState.WAITING
         self._fault: LeaklineError | None = None
         self._device = ""
+        self._source: Source | None = None  # of the first opening; no other may take its place
         self._rate_hz = 0
         self._meter: LevelMeter | None = None
         self._place: Placing | None = None
@@ -98,6 +103,7 @@ class AudioInput:
         """Return one look at the stream; cheap, from any thread."""
         with self._lock:
             state, device, rate_hz, meter, place = self._state, self._device, self._rate_hz, self._meter, self._place
+            source = self._source
         if meter is None or place is None:
             return SoundStatus(state=state, device=device)
         levels = meter.levels()
@@ -119,6 +125,8 @@ class AudioInput:
             offset=levels.offset,
             overflows=self._handover.overflows,
             waiting_s=self._handover.waiting_frames / rate_hz,
+            source="" if source is None else source.name,
+            source_rate_hz=None if source is None else source.rate_hz,
         )
 
     def clear_clip(self) -> None:
@@ -133,20 +141,24 @@ class AudioInput:
     def _watch(self) -> None:
         while not self._stop.is_set():
             try:
-                stream, callback = self._open()
+                device, stream, callback = self._open()
             except LeaklineError as error:
                 with self._lock:
                     self._fault = error
                 log.debug("sound input not open: %s", error)
                 self._stop.wait(RETRY_S)
                 continue
-            self._look_after(callback)
-            self._close(stream)
+            try:
+                pause_s = self._look_after(device, callback)
+            finally:
+                self._close(stream)
+            self._stop.wait(pause_s)
 
-    def _open(self) -> tuple[OpenInput, Callback]:
+    def _open(self) -> tuple[AudioDevice, OpenInput, Callback]:
         device = named(self._choice, self._devices())
         rate_hz = self._rate_hz or self._choice.rate_hz or suitable_rate(device, self._choice.channels)
         callback = self._handover.opened(rate_hz)
+        callback.is_heard = self._source is None  # else only when it is known to be the same again
         with self._lock:
             if self._meter is None:
                 self._rate_hz = rate_hz
@@ -157,21 +169,47 @@ class AudioInput:
         if self._choice.is_default:
             # when the microphone is unplugged the default becomes another one, which must not go on in its place
             self._choice = AudioChoice(device.name, self._choice.rate_hz, self._choice.channels)
-        return stream, callback
+        return device, stream, callback
 
-    def _look_after(self, callback: Callback) -> None:
-        """Return when the device is lost or we are to stop."""
+    def _look_after(self, device: AudioDevice, callback: Callback) -> float:
+        """Watch until the device is lost, another took its place, or we are to stop; return the pause before a retry."""
         opened_s = time.monotonic()
+        look_s = opened_s  # when to look at the source next
         while not self._stop.is_set():
-            quiet_s = time.monotonic() - (callback.last_s or opened_s)
+            now = time.monotonic()
+            quiet_s = now - (callback.last_s or opened_s)
             if callback.finished.is_set() or quiet_s > LOST_S:
                 self._is(LinkState.LOST, LeaklineError(ErrorCode.SOUND_DEVICE_GONE, name=self._device))
-                return
+                return 0.0
+            if now >= look_s and callback.last_s is not None:
+                look_s = now + SOURCE_S
+                other = self._other_source(device)
+                if other is not None:
+                    fault = LeaklineError(ErrorCode.SOUND_DEVICE_SWAPPED, name=self._source_name(), other=other.name)
+                    self._is(LinkState.LOST, fault)
+                    return RETRY_S
+                callback.is_heard = True
             if quiet_s > SILENT_S:
                 self._is(LinkState.SILENT)
             elif callback.last_s is not None:
                 self._is(LinkState.LIVE)
             callback.finished.wait(_LOOK_S)
+        return 0.0
+
+    def _other_source(self, device: AudioDevice) -> Source | None:
+        """Return what the sound server gives in place of what it gave at first; None where all is well or unknown."""
+        source = self._source_of(device)
+        with self._lock:
+            if self._source is None or source is None:
+                self._source = self._source or source
+                return None
+            if is_same(source, self._source):
+                self._source = source
+                return None
+        return source
+
+    def _source_name(self) -> str:
+        return self._device if self._source is None else self._source.name
 
     def _close(self, stream: OpenInput) -> None:
         """Close a stream; on a thread of its own, because some systems hang when the device has gone."""

@@ -79,6 +79,7 @@ class Callback:
     def __init__(self, handover: Handover, opening: int) -> None:
         self._handover, self._opening = handover, opening
         self._came = 0
+        self.is_heard = True  # False: what comes is counted as lost
         self.last_s: float | None = None  # when it was last called
         self.finished = threading.Event()
 
@@ -90,7 +91,8 @@ class Callback:
             overflow = bool(status.input_overflow)
             self._handover.overflows += overflow
             age = times.currentTime - times.inputBufferAdcTime
-            self._handover.offer(Chunk(bytes(data), frames, self._opening, first, now, age, overflow))
+            if self.is_heard:
+                self._handover.offer(Chunk(bytes(data), frames, self._opening, first, now, age, overflow))
         except Exception:  # noqa: BLE001  # no memory left; an exception here would end the stream
             self._handover.refused_frames += frames
 

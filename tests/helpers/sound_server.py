@@ -121,7 +121,10 @@ class SoundServer:
 
     def unload_sink(self) -> None:
         """Take the sink and its monitor away; the server lives on."""
-        self.control("unload-module", "module-null-sink")
+        for line in self.control("list", "short", "modules").splitlines():
+            number, module, *argument = line.split("\t")
+            if module == "module-null-sink" and f"sink_name={SINK} " in argument[0]:
+                self.control("unload-module", number)
 
     def reform(self, rate_hz: int, channels: int) -> None:
         """Have the sink in this form."""

@@ -10,6 +10,7 @@ import pytest
 from app.devices import audio_input
 from app.devices.audio_devices import AudioDevice
 from app.devices.audio_input import AudioInput
+from app.devices.audio_source import Source
 from app.devices.audio_spec import AudioChoice
 from processing.errors import ErrorCode, LeaklineError
 from processing.live.stream import LinkState
@@ -35,6 +36,7 @@ class Played:
         self.opened = []  # (device, rate, channels)
         self.callback = None
         self.refuses = None
+        self.source = None
         self.hangs_opening = self.hangs_closing = False
         self.go_on = threading.Event()
         self.closed = 0
@@ -78,7 +80,8 @@ def begun():
 
     def begin(system, on_block=lambda block: None, choice=None, **more):
         choice = choice or AudioChoice(MICROPHONE.name, RATE_HZ, 1)
-        sound = AudioInput(choice, on_block, open_device=system.open, devices=system.list, **more)
+        system_of = {"open_device": system.open, "devices": system.list, "source_of": lambda device: system.source}
+        sound = AudioInput(choice, on_block, **system_of, **more)
         running.append((sound, system))
         sound.start()
         return sound
@@ -285,3 +288,29 @@ def test_rate_and_channels_stay_what_they_were_at_the_first_opening(begun):
     first.on_finished()
     wait_for(lambda: system.callback is not None, "the device to be opened again")
     assert [form[1:] for form in system.opened] == [(96_000, 2)] * 2
+
+
+def test_a_device_that_the_system_put_in_place_of_ours_is_not_recorded(begun, monkeypatch):
+    monkeypatch.setattr(audio_input, "SOURCE_S", 0.05)
+    system, blocks = Played(MICROPHONE), []
+    system.source = Source("alsa_input.usb-Ball-00.mono", 48_000.0)
+    sound = begun(system, blocks.append)
+    wait_for(lambda: system.callback is not None, "the device to be opened")
+    system.play(block(1))
+    wait_for(lambda: sound.status().source, "the source to be known")
+    assert sound.status().source_rate_hz == 48_000.0
+    system.source = Source("alsa_input.pci-0000.analog-stereo", 44_100.0)
+    first = system.callback
+    wait_for(lambda: system.callback is not first, "the device to be opened again")
+    assert sound.fault.code is ErrorCode.SOUND_DEVICE_SWAPPED
+    assert sound.status().state is LinkState.LOST
+    for _ in range(3):
+        system.play(block(2))
+    system.source = Source("alsa_input.usb-Ball-00.analog-stereo.2", 48_000.0)
+
+    def heard():
+        system.play(block(3, frames=480))
+        return sound.status().state is LinkState.LIVE and sound.fault is None and len(blocks) > 5
+
+    wait_for(heard, "the device to be heard again")
+    assert {int(b.frames[0, 0]) for b in blocks} == {1, 3}

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import soundfile
 
+from app.devices import audio_input
 from app.devices.audio_input import AudioInput
 from app.devices.audio_spec import AudioChoice
+from processing.errors import ErrorCode
 from processing.live.stream import LinkState
 
 DEADLINE_S = 20.0
@@ -77,6 +79,34 @@ def test_a_lost_device_is_found_again_and_the_gap_is_as_long_as_it_was_gone(soun
     late_s = host_s - axis_s
     assert blocks[gap].lost_before > 0.7 * 48_000
     assert abs(np.median(late_s[gap:]) - np.median(late_s[:gap])) < 0.05
+
+
+def test_resampling_by_the_server_is_told(sound_server, record):
+    sound = record(lambda block: None, AudioChoice("default", 96_000, 1))
+    wait_for(lambda: sound.status().source, "the source to be known")
+    status = sound.status()
+    assert (status.source, status.sample_rate_hz, status.source_rate_hz) == ("vsink.monitor", 96_000, 48_000)
+
+
+def test_another_microphone_that_the_server_puts_in_place_of_ours_is_not_recorded(sound_server, record, monkeypatch):
+    monkeypatch.setattr(audio_input, "SOURCE_S", 0.1)
+    monkeypatch.setattr(audio_input, "RETRY_S", 0.1)
+    for module in ("module-rescue-streams", "module-null-sink sink_name=other rate=48000 channels=1"):
+        sound_server.control("load-module", *module.split())
+    sound_server.control("set-default-source", "vsink.monitor")
+    try:
+        sound = record(lambda block: None, AudioChoice("default", 48_000, 1))
+        wait_for(lambda: sound.status().source == "vsink.monitor", "the source to be known")
+        sound_server.unload_sink()
+        wait_for(lambda: sound.status().state is LinkState.LOST, "the loss to be told")
+        wait_for(lambda: sound.fault and sound.fault.code is ErrorCode.SOUND_DEVICE_SWAPPED, "the reason")
+        assert sound.fault.params["other"] == "other.monitor"
+        sound_server.load_sink()
+        sound_server.control("set-default-source", "vsink.monitor")
+        wait_for(lambda: sound.status().state is LinkState.LIVE, "the right one again")
+    finally:
+        sound.stop()
+        sound_server.kill()  # the next test gets a new one, without these modules
 
 
 def test_stop_returns_in_time_when_the_sound_server_hangs(sound_server, record):
