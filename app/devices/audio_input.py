@@ -172,7 +172,7 @@ class AudioInput:
         return device, stream, callback
 
     def _look_after(self, device: AudioDevice, callback: Callback) -> float:
-        """Watch until the device is lost, another took its place, or we are to stop; return the pause before a retry."""
+        """Watch until the device is lost, or replaced, or we are to stop; return the pause before a retry."""
         opened_s = time.monotonic()
         look_s = opened_s  # when to look at the source next
         while not self._stop.is_set():
