@@ -12,18 +12,15 @@ What no one-way measurement can tell is the delay that every message has: ``dela
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from processing.clock_fit import wander_s
+from processing.live.robust_line import Whole, robust_line
 from processing.survey import FloatArray
 
 PRIOR_PPM = 300.0  # 1 sigma of a drift that nobody has measured yet
-_FEW = 8  # windows; below it a slope through pairs is only noise
-_ROUNDS = 6
 _LAID_ANEW = 100  # the line is laid anew for each hundredth more windows
 _YOUNG = 10  # windows of a block, below which each counts
-_FAR = 3.5  # robust standard deviations
-_LEAST_SCATTER_S = 2e-5  # what a host can time at best
+_MOST_GATHERED = 512  # chunks of one window; of more than that the late ones are of no use
 _WANDER_BLOCKS_SPAN = 16  # windows at least, before a course in the residuals is looked for
 
 
@@ -71,7 +68,7 @@ class ArrivalFit:
         self._device_s: FloatArray = np.empty(most_windows)
         self._delay_s: FloatArray = np.empty(most_windows)
         self._late2_s2: FloatArray = np.empty(most_windows)  # mean square above the window's earliest
-        self._block: npt.NDArray[np.int64] = np.empty(most_windows, np.int64)
+        self._block: Whole = np.empty(most_windows, np.int64)
         self._count = 0
         self._open: list[FloatArray] = []  # pairs (device, delay) of the window under way
         self._open_index = -1
@@ -96,18 +93,21 @@ class ArrivalFit:
         if self._now not in self._begins:
             self._begins[self._now] = float(device_s[0]), float(host_s.min())
             self._line = None
-        pairs = np.column_stack([device_s, host_s - device_s])
-        index = np.floor(device_s / self._window_s).astype(np.int64)
-        cuts = np.flatnonzero(np.diff(index, prepend=self._open_index)).tolist()
-        if not cuts or cuts[0] > 0:
-            cuts.insert(0, 0)
-        for start, end in zip(cuts, [*cuts[1:], len(index)], strict=True):
-            if index[start] != self._open_index:
-                self._close()
-                self._open_index = int(index[start])
-            self._open.append(pairs[start:end])
-            if len(self._open) > 512:  # a window of tiny chunks: what is late is of no more use
-                self._open = [self._condensed(np.concatenate(self._open))]
+        pairs = np.array([device_s, host_s - device_s]).T
+        at = 0
+        while at < len(pairs):
+            if int(device_s[at] // self._window_s) != self._open_index:
+                self._close()  # which may make the windows longer
+                self._open_index = int(device_s[at] // self._window_s)
+            end = int(np.searchsorted(device_s, (self._open_index + 1) * self._window_s))
+            end = max(end, at + 1)
+            self._gather(pairs[at:end])
+            at = end
+
+    def _gather(self, pairs: FloatArray) -> None:
+        self._open.append(pairs)
+        if len(self._open) > _MOST_GATHERED:
+            self._open = [self._condensed(np.concatenate(self._open))]
 
     def begin_block(self) -> None:
         """Let what follows lie beside what was before: the device's clock was set anew, and only about rightly."""
@@ -276,7 +276,7 @@ class ArrivalFit:
         if not len(x):
             return _Line({self._now: 0.0}, 0.0, self._prior, self._delay_sigma_s, 0.0, 0.0)
         names, which = np.unique(block, return_inverse=True)
-        slope, offsets, near, scatter = _robust(x, y, which, self._prior)
+        slope, offsets, near, scatter = robust_line(x, y, which, self._prior)
         residual = y - offsets[which] - slope * x
         middle, span = float(x[near].mean()), float(np.ptp(x[near]))
         centred = x - (np.bincount(which, x * near) / np.maximum(np.bincount(which, near), 1))[which]
@@ -286,53 +286,9 @@ class ArrivalFit:
             wander = wander_s(x[near], residual[near], scatter)
         slope_sigma = float(scatter / np.sqrt(spread + (scatter / self._prior) ** 2))
         slope_sigma = float(np.hypot(slope_sigma, wander * np.sqrt(3.0) / max(span, self._window_s)))
-        foot = scatter if self._one_sided and len(x) >= 3 else 0.0
-        doubts = (scatter / np.sqrt(np.count_nonzero(near)), 0.5 * scatter, wander, self._delay_sigma_s)
+        fine = float(np.sqrt(max(scatter**2 - wander**2, 0.0)))
+        foot = fine if self._one_sided and len(x) >= 3 else 0.0
+        doubts = (scatter / np.sqrt(np.count_nonzero(near)), 0.5 * fine, wander, self._delay_sigma_s)
         offset_sigma = float(np.sqrt(np.sum(np.square(doubts))))
         by_block = {int(name): float(offset) - foot for name, offset in zip(names, offsets, strict=True)}
         return _Line(by_block, slope, slope_sigma, offset_sigma, middle, scatter)
-
-
-def _robust(
-    x: FloatArray, y: FloatArray, which: npt.NDArray[np.int64], prior: float
-) -> tuple[float, FloatArray, npt.NDArray[np.bool_], float]:
-    """Return slope, an offset for each block, which points (n,) are near the line, and their standard deviation.
-
-    The first slope is the median of those between points half a block apart (Theil 1950, by incomplete pairs, which
-    lets a quarter of the points be anything), the last the least squares of what is near, held by ``prior``.
-    """
-    blocks = int(which.max()) + 1
-    slope = _first_slope(x, y, which, blocks)
-    near, scatter = np.ones(len(x), np.bool_), _LEAST_SCATTER_S
-    offsets = np.zeros(blocks)
-    for nth in range(_ROUNDS):
-        along = y - slope * x
-        if nth == 0:
-            offsets = np.array([np.median(along[which == block]) for block in range(blocks)])
-        else:
-            offsets = np.where(counts := np.bincount(which, near), np.bincount(which, along * near), offsets)
-            offsets /= np.maximum(counts, 1)
-        residual = along - offsets[which]
-        robust = 1.4826 * float(np.median(np.abs(residual)))
-        near = np.abs(residual) <= max(_FAR * robust, _FAR * _LEAST_SCATTER_S)
-        counts = np.maximum(np.bincount(which, near), 1)
-        dx = x - (np.bincount(which, x * near) / counts)[which]
-        dy = y - (np.bincount(which, y * near) / counts)[which]
-        freedom = max(int(np.count_nonzero(near)) - blocks - 1, 1)
-        scatter = max(float(np.sqrt(np.sum(residual[near] ** 2) / freedom)), _LEAST_SCATTER_S)
-        hold = (scatter / prior) ** 2
-        slope = float(np.sum((dx * dy)[near]) / (np.sum((dx**2)[near]) + hold))
-    counts = np.bincount(which, near)
-    along = y - slope * x
-    means = np.bincount(which, along * near) / np.maximum(counts, 1)
-    return slope, np.where(counts > 0, means, offsets), near, scatter
-
-
-def _first_slope(x: FloatArray, y: FloatArray, which: npt.NDArray[np.int64], blocks: int) -> float:
-    slopes = []
-    for block in range(blocks):
-        mine = np.flatnonzero(which == block)
-        if len(mine) >= _FEW:
-            half = len(mine) // 2
-            slopes.append((y[mine[half:]] - y[mine[:-half]]) / (x[mine[half:]] - x[mine[:-half]]))
-    return float(np.median(np.concatenate(slopes))) if slopes else 0.0

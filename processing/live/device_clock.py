@@ -5,6 +5,7 @@ line may be damaged in its time; a radio may bring a message twice, or late. Wha
 be of this clock has to be confirmed by the next two samples, and then the host's clock bridges the pause.
 """
 
+from collections import deque
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from itertools import pairwise
@@ -25,6 +26,7 @@ _AHEAD_S = 0.25  # a sample cannot be from the future: beyond this, and what the
 _AHEAD_AT_FIRST_S = 5.0  # while there is no line yet
 _MEMORY = 4096  # samples in which a repeated one is looked for
 _STEPS = 512  # of which the period is the median
+_LOOK_EVERY = 64  # steps
 _LARGEST_US = 1 << 62
 
 
@@ -94,9 +96,11 @@ class DeviceClock:
         self._turned_us = 0  # added to what the device says, for each time its 32 bits ran over
         self._shift_us = 0  # axis − device
         self._waiting: Frames = no_frames()
-        self._seen_us: Whole = np.zeros(0, np.int64)
-        self._seen: npt.NDArray[np.float32] = np.zeros((0, 6), np.float32)
+        self._seen: deque[tuple[Whole, Frames]] = deque()  # device times, as they came, and their samples
+        self._seen_rows = 0
         self._steps: Whole = np.zeros(0, np.int64)
+        self._new_steps: list[Whole] = []
+        self._new_rows = 0
         self.period_us = 0.0
         self._usual_us = 0.0  # above it a step is a hole
 
@@ -132,7 +136,7 @@ class DeviceClock:
         counter = self.latest.counter + 1 + np.arange(len(frames))
         self._device_us, self._sent_counter = int(device_us[-1]), int(frames.counter[-1])
         self.latest = Latest(int(axis_us[-1]), int(counter[-1]), host_s)
-        self._note(device_us, frames, steps)
+        self._note(raw_us, frames, steps)
         self._fit.add(1e-6 * axis_us.astype(np.float64), np.full(len(axis_us), host_s))
         return placed_at(frames, axis_us, counter)
 
@@ -256,27 +260,31 @@ class DeviceClock:
 
     def _seen_before(self, raw_us: Whole, frames: Frames) -> list[bool]:
         """Return which samples are, to the last bit, one of the last four thousand, or an earlier one of their own."""
-        times = np.concatenate([self._seen_us, raw_us])
-        values = np.concatenate([self._seen, _values(frames)])
+        times = np.concatenate([*(times for times, _ in self._seen), raw_us])
+        parts = [*(part for _, part in self._seen), frames]
+        acc = np.concatenate([part.acc_s_mps2 for part in parts])
+        gyr = np.concatenate([part.gyr_s_radps for part in parts])
+        values = np.stack([acc, gyr])
         order = np.argsort(times, kind="stable")
-        same = (np.diff(times[order]) == 0) & np.all(values[order[1:]] == values[order[:-1]], axis=1)
+        same = (np.diff(times[order]) == 0) & np.all(values[:, order[1:]] == values[:, order[:-1]], axis=(0, 2))
         seen = np.zeros(len(times), np.bool_)
         seen[order[1:][same]] = True
-        found: list[bool] = seen[len(self._seen_us) :].tolist()
+        found: list[bool] = seen[len(times) - len(raw_us) :].tolist()
         return found
 
     def _note(self, raw_us: Whole, frames: Frames, steps_us: Whole) -> None:
-        self._seen_us = np.concatenate([self._seen_us, raw_us])[-_MEMORY:]
-        self._seen = np.concatenate([self._seen, _values(frames)])[-_MEMORY:]
-        if not len(steps_us):
+        self._seen.append((raw_us, frames))
+        self._seen_rows += len(raw_us)
+        while self._seen_rows - len(self._seen[0][0]) >= _MEMORY:
+            self._seen_rows -= len(self._seen.popleft()[0])
+        self._new_steps.append(steps_us)
+        self._new_rows += len(steps_us)
+        if self._new_rows < _LOOK_EVERY and (len(self._steps) >= _LOOK_EVERY or not self._new_rows):
             return
-        self._steps = np.concatenate([self._steps, steps_us])[-_STEPS:]
+        self._steps = np.concatenate([self._steps, *self._new_steps])[-_STEPS:]
+        self._new_steps, self._new_rows = [], 0
         self.period_us = float(self._steps.mean() if self._steps.min() <= 0 else np.median(self._steps))
         self._usual_us = 1.5 * float(np.percentile(self._steps, 95.0))
-
-
-def _values(frames: Frames) -> npt.NDArray[np.float32]:
-    return np.concatenate([frames.acc_s_mps2, frames.gyr_s_radps], axis=1)
 
 
 def _confirmed(raw: list[int], row: int) -> _Verdict:

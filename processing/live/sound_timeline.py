@@ -50,6 +50,7 @@ class SoundTimeline:
         self._near = ArrivalFit(one_sided=False, delay_sigma_s=0.0, memory_s=_NEAR_S, most_windows=512)
         self._origin = 0
         self._recent: deque[tuple[float, float]] = deque()  # block's length, how late it was
+        self._length_s = 0.0  # of these
 
     # --- what comes in
 
@@ -70,12 +71,12 @@ class SoundTimeline:
         if np.isfinite(adc_host_s):
             late_s = self._late_s(adc_host_s)
             if reopened or overflowed:
-                self._recent.clear()
+                self._forget()
                 least_s = _LEAST_FLAGGED_S if reopened else max(_LEAST_FLAGGED_S, 2.0 * self._near.jitter_s)
                 lost = self._as_frames(late_s) if late_s > least_s else 0
             else:
-                self._recent.append((frames / self.rate_hz, late_s))
-                lost = self._confirmed()
+                self._remember(frames / self.rate_hz, late_s)
+                lost = self._confirmed() if abs(late_s) > _LEAST_LOSS_S else 0
         if lost:
             self.frames += lost
             self.lost_frames += lost
@@ -137,14 +138,12 @@ class SoundTimeline:
 
     def _confirmed(self) -> int:
         """Return how many frames the last half second of blocks says are missing."""
-        while len(self._recent) > _CONFIRMED_BLOCKS and self._length_s() - self._recent[0][0] >= _CONFIRMED_S:
-            self._recent.popleft()
-        if not self._near.is_settled or len(self._recent) < _CONFIRMED_BLOCKS or self._length_s() < _CONFIRMED_S:
+        if not self._near.is_settled or len(self._recent) < _CONFIRMED_BLOCKS or self._length_s < _CONFIRMED_S:
             return 0
         late = np.array([late_s for _, late_s in self._recent])
         middle = float(np.median(late))
         if middle < -_BACK_S:
-            self._recent.clear()
+            self._forget()
             self._fit.begin_block()
             self._near.begin_block()
             return 0
@@ -153,11 +152,18 @@ class SoundTimeline:
         least_s = max(_LEAST_LOSS_S, _SIGMAS * of_middle, _SCATTERS * (self._near.scatter_s + doubt_s))
         if middle <= least_s or float(np.percentile(late, 10.0)) < 0.3 * middle:
             return 0
-        self._recent.clear()
+        self._forget()
         return self._as_frames(middle)
 
-    def _length_s(self) -> float:
-        return sum(length_s for length_s, _ in self._recent)
+    def _remember(self, length_s: float, late_s: float) -> None:
+        self._recent.append((length_s, late_s))
+        self._length_s += length_s
+        while len(self._recent) > _CONFIRMED_BLOCKS and self._length_s - self._recent[0][0] >= _CONFIRMED_S:
+            self._length_s -= self._recent.popleft()[0]
+
+    def _forget(self) -> None:
+        self._recent.clear()
+        self._length_s = 0.0
 
 
 def sound_to_survey(sound: SoundTimeline, device: DeviceTimeline) -> ClockGuess | None:
