@@ -86,11 +86,11 @@ class PtyPort:
 
     def unplug(self) -> None:
         """Close the terminal and take its link away, as the system does with a serial adapter's."""
+        if self._link is not None and self._link.is_symlink():
+            self._link.unlink()
         if self._master >= 0:
             os.close(self._master)
         self._master, self._rest, self._open_since = -1, b"", None
-        if self._link is not None and self._link.is_symlink():
-            self._link.unlink()
 
     close = unplug
 
