@@ -205,7 +205,7 @@ class DeviceForm(QWidget):
         most = next((found.channels for found in self._sounds if found.name == name), 2)
         self._channels.clear()
         for count in range(1, max(most, wanted, 1) + 1):
-            self._channels.addItem(self.tr("%n channel(s)", "", count), count)
+            self._channels.addItem(self.tr("channels: {count}").format(count=count), count)
         _choose(self._channels, wanted, "")
         for widget in (self._rate, self._channels):
             widget.setEnabled(name != NONE)

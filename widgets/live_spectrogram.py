@@ -156,7 +156,7 @@ class LiveSpectrogram(PaintedWidget):
             text = hertz_text(hertz, self.locale()) + "Hz"
             painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
         below = QRectF(rect.left(), rect.bottom() + 2, rect.width(), 1.2 * metrics.height())
-        painter.drawText(below, Qt.AlignmentFlag.AlignLeft, self.tr("%n s ago", "", round(self._span_s)))
+        painter.drawText(below, Qt.AlignmentFlag.AlignLeft, self.tr("{seconds} s ago").format(seconds=round(self._span_s)))
         painter.drawText(below, Qt.AlignmentFlag.AlignRight, self.tr("now"))
 
 

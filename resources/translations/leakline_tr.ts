@@ -28,8 +28,8 @@
         <translation>&amp;Görünüm</translation>
     </message>
     <message>
-        <source>Add a candidate at the cursor that the machine missed</source>
-        <translation>Programın kaçırdığı bir adayı imlecin yerine ekler</translation>
+        <source>Add a candidate at the cursor that the machine missed; while recording, what is passed now</source>
+        <translation>Programın kaçırdığı bir adayı imlecin yerine ekler; kayıt sırasında o an geçilen yeri işaretler</translation>
     </message>
     <message>
         <source>Add a tie point at the cursor: a place the device is known to have passed then</source>
@@ -48,6 +48,10 @@
         <translation>İmleçte bir seçim başlatır; ikinci basışta orada bitirir</translation>
     </message>
     <message>
+        <source>Begin the recording; to stop it, press twice within three seconds</source>
+        <translation>Kaydı başlatır; durdurmak için üç saniye içinde iki kez basın</translation>
+    </message>
+    <message>
         <source>Bring the cursor and all views to the selected candidate</source>
         <translation>İmleci ve bütün görünümleri seçili adaya getirir</translation>
     </message>
@@ -62,6 +66,10 @@
     <message>
         <source>Clear verdict</source>
         <translation>Kararı temizle</translation>
+    </message>
+    <message>
+        <source>Clip light out</source>
+        <translation>Taşma ışığını söndür</translation>
     </message>
     <message>
         <source>Close Leakline; nothing is lost</source>
@@ -344,12 +352,28 @@
         <translation>Yeniden işle</translation>
     </message>
     <message>
+        <source>Put out the light that says the sound was too loud</source>
+        <translation>Sesin fazla yüksek geldiğini bildiren ışığı söndürür</translation>
+    </message>
+    <message>
         <source>Quit</source>
         <translation>Çık</translation>
     </message>
     <message>
         <source>Raw or cleaned</source>
         <translation>Ham ya da temizlenmiş</translation>
+    </message>
+    <message>
+        <source>Record</source>
+        <translation>Kayıt</translation>
+    </message>
+    <message>
+        <source>Record or stop</source>
+        <translation>Kaydı başlat veya durdur</translation>
+    </message>
+    <message>
+        <source>Record…</source>
+        <translation>Kayıt…</translation>
     </message>
     <message>
         <source>Redo</source>
@@ -408,6 +432,10 @@
         <translation>Sesi ve hareketi boru boyunca metreyle ya da zamanla gösterir</translation>
     </message>
     <message>
+        <source>Show the recording page: devices, levels, live path</source>
+        <translation>Kayıt sayfasını açar: cihazlar, seviyeler, canlı güzergâh</translation>
+    </message>
+    <message>
         <source>Show the whole run</source>
         <translation>Bütün koşuyu gösterir</translation>
     </message>
@@ -448,8 +476,8 @@
         <translation>Dili değiştirir</translation>
     </message>
     <message>
-        <source>Take the last change back</source>
-        <translation>Son değişikliği geri alır</translation>
+        <source>Take the last change back; while recording, the last marker</source>
+        <translation>Son değişikliği geri alır; kayıt sırasında son işareti</translation>
     </message>
     <message>
         <source>Take the pipe's line from a map: GeoJSON, Shapefile, GeoPackage, KML, GPX, DXF or CSV</source>
@@ -536,6 +564,13 @@
     <message>
         <source>Save diagnostics…</source>
         <translation>Tanılama dosyası kaydet…</translation>
+    </message>
+</context>
+<context>
+    <name>AttitudeBall</name>
+    <message>
+        <source>Attitude of the device</source>
+        <translation>Cihazın duruşu</translation>
     </message>
 </context>
 <context>
@@ -1377,6 +1412,117 @@
     </message>
 </context>
 <context>
+    <name>DeviceForm</name>
+    <message>
+        <source>Address of the IMU</source>
+        <translation>IMU adresi</translation>
+    </message>
+    <message>
+        <source>Baud rate</source>
+        <translation>Baud hızı</translation>
+    </message>
+    <message>
+        <source>CSV lines</source>
+        <translation>CSV satırları</translation>
+    </message>
+    <message>
+        <source>Channels</source>
+        <translation>Kanallar</translation>
+    </message>
+    <message>
+        <source>Connection of the IMU</source>
+        <translation>IMU bağlantısı</translation>
+    </message>
+    <message>
+        <source>IMU</source>
+        <translation>IMU</translation>
+    </message>
+    <message>
+        <source>Look for devices that were plugged in since</source>
+        <translation>Sonradan takılan cihazları arar</translation>
+    </message>
+    <message>
+        <source>Port</source>
+        <translation>Port</translation>
+    </message>
+    <message>
+        <source>Protocol of the IMU</source>
+        <translation>IMU protokolü</translation>
+    </message>
+    <message>
+        <source>Sample rate</source>
+        <translation>Örnekleme hızı</translation>
+    </message>
+    <message>
+        <source>Search again</source>
+        <translation>Yeniden ara</translation>
+    </message>
+    <message>
+        <source>Serial port</source>
+        <translation>Seri port</translation>
+    </message>
+    <message>
+        <source>Sound</source>
+        <translation>Ses</translation>
+    </message>
+    <message>
+        <source>Sound device</source>
+        <translation>Ses cihazı</translation>
+    </message>
+    <message>
+        <source>any sender</source>
+        <translation>herhangi bir gönderen</translation>
+    </message>
+    <message>
+        <source>binary frames</source>
+        <translation>ikili çerçeveler</translation>
+    </message>
+    <message>
+        <source>channels: {count}</source>
+        <translation>kanal: {count}</translation>
+    </message>
+    <message>
+        <source>found by itself</source>
+        <translation>kendiliğinden bulunur</translation>
+    </message>
+    <message>
+        <source>network TCP</source>
+        <translation>ağ, TCP</translation>
+    </message>
+    <message>
+        <source>network UDP</source>
+        <translation>ağ, UDP</translation>
+    </message>
+    <message>
+        <source>none</source>
+        <translation>yok</translation>
+    </message>
+    <message>
+        <source>printed lines</source>
+        <translation>yazdırılan satırlar</translation>
+    </message>
+    <message>
+        <source>protocol: auto</source>
+        <translation>protokol: otomatik</translation>
+    </message>
+    <message>
+        <source>rate: auto</source>
+        <translation>hız: otomatik</translation>
+    </message>
+    <message>
+        <source>serial (USB)</source>
+        <translation>seri (USB)</translation>
+    </message>
+    <message>
+        <source>the system's input</source>
+        <translation>sistemin girişi</translation>
+    </message>
+    <message>
+        <source>{name} (not there now)</source>
+        <translation>{name} (şu an takılı değil)</translation>
+    </message>
+</context>
+<context>
     <name>Evidence</name>
     <message>
         <source>95 % between {low} m and {high} m, passed at {time}.</source>
@@ -1749,6 +1895,25 @@
     </message>
 </context>
 <context>
+    <name>LevelMeter</name>
+    <message>
+        <source>CLIP</source>
+        <translation>TAŞMA</translation>
+    </message>
+    <message>
+        <source>Level in dB below full scale. Click or press Q to put out the clip light</source>
+        <translation>Tam ölçeğe göre dB olarak seviye. Taşma ışığını söndürmek için tıklayın veya Q tuşuna basın</translation>
+    </message>
+    <message>
+        <source>Level meter</source>
+        <translation>Seviye göstergesi</translation>
+    </message>
+    <message>
+        <source>clipped: too loud</source>
+        <translation>taştı: ses fazla yüksek</translation>
+    </message>
+</context>
+<context>
     <name>LevelView</name>
     <message>
         <source>Level along the pipe</source>
@@ -1780,6 +1945,55 @@
     </message>
 </context>
 <context>
+    <name>LivePathView</name>
+    <message>
+        <source>Live path</source>
+        <translation>Canlı güzergâh</translation>
+    </message>
+    <message>
+        <source>No path yet</source>
+        <translation>Henüz güzergâh yok</translation>
+    </message>
+    <message>
+        <source>■ still</source>
+        <translation>■ duruyor</translation>
+    </message>
+    <message>
+        <source>▶ moving</source>
+        <translation>▶ hareket ediyor</translation>
+    </message>
+</context>
+<context>
+    <name>LiveSpectrogram</name>
+    <message>
+        <source>Live spectrogram</source>
+        <translation>Canlı spektrogram</translation>
+    </message>
+    <message>
+        <source>No sound yet</source>
+        <translation>Henüz ses yok</translation>
+    </message>
+    <message>
+        <source>now</source>
+        <translation>şimdi</translation>
+    </message>
+    <message>
+        <source>{seconds} s ago</source>
+        <translation>{seconds} s önce</translation>
+    </message>
+</context>
+<context>
+    <name>LiveStrips</name>
+    <message>
+        <source>Live motion</source>
+        <translation>Canlı hareket</translation>
+    </message>
+    <message>
+        <source>No motion yet</source>
+        <translation>Henüz hareket verisi yok</translation>
+    </message>
+</context>
+<context>
     <name>MainWindow</name>
     <message>
         <source>Data</source>
@@ -1808,6 +2022,29 @@
     <message>
         <source>Sound</source>
         <translation>Ses</translation>
+    </message>
+</context>
+<context>
+    <name>MarkerLine</name>
+    <message>
+        <source>Chainage in metres</source>
+        <translation>Hat metresi (m)</translation>
+    </message>
+    <message>
+        <source>Name of the marker</source>
+        <translation>İşaretin adı</translation>
+    </message>
+    <message>
+        <source>Store</source>
+        <translation>Sakla</translation>
+    </message>
+    <message>
+        <source>Store (Enter); Escape keeps the moment with its number</source>
+        <translation>Saklar (Enter); Esc anı numarasıyla bırakır</translation>
+    </message>
+    <message>
+        <source>m from launch</source>
+        <translation>başlangıçtan m</translation>
     </message>
 </context>
 <context>
@@ -1856,6 +2093,22 @@
         <translation>Başladığı yerde bitti</translation>
     </message>
     <message>
+        <source>Keep this moment at once; name the place afterwards</source>
+        <translation>Bu anı hemen saklar; yerin adı sonra yazılır</translation>
+    </message>
+    <message>
+        <source>Markers</source>
+        <translation>İşaretler</translation>
+    </message>
+    <message>
+        <source>No markers yet</source>
+        <translation>Henüz işaret yok</translation>
+    </message>
+    <message>
+        <source>Passing now (M)</source>
+        <translation>Şimdi geçiyor (M)</translation>
+    </message>
+    <message>
         <source>Place the leaks anew</source>
         <translation>Kaçakları yeniden yerleştir</translation>
     </message>
@@ -1864,8 +2117,16 @@
         <translation>Sil</translation>
     </message>
     <message>
+        <source>Take the last marker back (Ctrl+Z)</source>
+        <translation>Son işareti geri alır (Ctrl+Z)</translation>
+    </message>
+    <message>
         <source>Tie points</source>
         <translation>Bağlama noktaları</translation>
+    </message>
+    <message>
+        <source>Undo</source>
+        <translation>Geri al</translation>
     </message>
 </context>
 <context>
@@ -1873,6 +2134,13 @@
     <message>
         <source>OK</source>
         <translation>Tamam</translation>
+    </message>
+</context>
+<context>
+    <name>MessageList</name>
+    <message>
+        <source>Messages</source>
+        <translation>İletiler</translation>
     </message>
 </context>
 <context>
@@ -2161,6 +2429,45 @@
     <message>
         <source>time</source>
         <translation>zaman</translation>
+    </message>
+</context>
+<context>
+    <name>PrelaunchPanel</name>
+    <message>
+        <source>Break off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Check before the launch</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Expected speed (m/s)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Heard {heard}, felt {felt}, both {both}.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Knock again before you stop: it settles the drift of the clocks</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Knocks at the end</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Range of the gyro</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Skip this step</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>unknown</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2496,6 +2803,261 @@
     <message>
         <source>{seconds} s, {rate} Hz</source>
         <translation>{seconds} s, {rate} Hz</translation>
+    </message>
+</context>
+<context>
+    <name>RecordingControl</name>
+    <message>
+        <source>Press once more to stop the recording</source>
+        <translation>Kaydı durdurmak için bir kez daha basın</translation>
+    </message>
+    <message>
+        <source>Recorded {time} as {name}</source>
+        <translation>{time} kaydedildi: {name}</translation>
+    </message>
+</context>
+<context>
+    <name>RecordingEntry</name>
+    <message>
+        <source>A recording is running. Close again within six seconds to stop it and leave.</source>
+        <translation>Kayıt sürüyor. Durdurup çıkmak için altı saniye içinde yeniden kapatın.</translation>
+    </message>
+    <message>
+        <source>Where recordings are stored</source>
+        <translation>Kayıtların saklandığı yer</translation>
+    </message>
+    <message>
+        <source>●  Recording {time}: back to it</source>
+        <translation>●  Kayıt sürüyor {time}: sayfasına dön</translation>
+    </message>
+</context>
+<context>
+    <name>RecordingForm</name>
+    <message>
+        <source>Change…</source>
+        <translation>Değiştir…</translation>
+    </message>
+    <message>
+        <source>Inner diameter (mm)</source>
+        <translation>İç çap (mm)</translation>
+    </message>
+    <message>
+        <source>Main Street</source>
+        <translation>Cumhuriyet Caddesi</translation>
+    </message>
+    <message>
+        <source>Name</source>
+        <translation>Ad</translation>
+    </message>
+    <message>
+        <source>Operator</source>
+        <translation>Operatör</translation>
+    </message>
+    <message>
+        <source>Places on the way</source>
+        <translation>Yoldaki yerler</translation>
+    </message>
+    <message>
+        <source>Places the device will pass, one a line: name = metres from the launch</source>
+        <translation>Cihazın geçeceği yerler, her satırda bir tane: ad = başlangıçtan metre</translation>
+    </message>
+    <message>
+        <source>Planned time (min)</source>
+        <translation>Planlanan süre (dk)</translation>
+    </message>
+    <message>
+        <source>Rolling radius (mm)</source>
+        <translation>Yuvarlanma yarıçapı (mm)</translation>
+    </message>
+    <message>
+        <source>Stored in</source>
+        <translation>Saklandığı yer</translation>
+    </message>
+    <message>
+        <source>The device is</source>
+        <translation>Cihaz</translation>
+    </message>
+    <message>
+        <source>unknown</source>
+        <translation>bilinmiyor</translation>
+    </message>
+    <message>
+        <source>valve 12 = 120.5
+hydrant 3 = 240</source>
+        <translation>vana 12 = 120,5
+hidrant 3 = 240</translation>
+    </message>
+</context>
+<context>
+    <name>RecordingMarkers</name>
+    <message>
+        <source>marker {number}</source>
+        <translation>işaret {number}</translation>
+    </message>
+    <message>
+        <source>{name} at {time}: what is it?</source>
+        <translation>{name}, {time}: burası neresi?</translation>
+    </message>
+</context>
+<context>
+    <name>RecordingPage</name>
+    <message>
+        <source>IMU</source>
+        <translation>IMU</translation>
+    </message>
+    <message>
+        <source>Markers</source>
+        <translation>İşaretler</translation>
+    </message>
+    <message>
+        <source>Messages</source>
+        <translation>İletiler</translation>
+    </message>
+    <message>
+        <source>Process now</source>
+        <translation>Şimdi işle</translation>
+    </message>
+    <message>
+        <source>Record another</source>
+        <translation>Yeni kayıt</translation>
+    </message>
+    <message>
+        <source>Set-up</source>
+        <translation>Hazırlık</translation>
+    </message>
+    <message>
+        <source>Sound</source>
+        <translation>Ses</translation>
+    </message>
+    <message>
+        <source>force</source>
+        <translation>kuvvet</translation>
+    </message>
+    <message>
+        <source>turn rate</source>
+        <translation>dönme hızı</translation>
+    </message>
+</context>
+<context>
+    <name>RecordingPanel</name>
+    <message>
+        <source>Closing the files …</source>
+        <translation>Dosyalar kapatılıyor …</translation>
+    </message>
+    <message>
+        <source>F5; to stop, press twice within three seconds</source>
+        <translation>F5; durdurmak için üç saniye içinde iki kez basın</translation>
+    </message>
+    <message>
+        <source>IMU lost: {count}</source>
+        <translation>IMU kaybı: {count}</translation>
+    </message>
+    <message>
+        <source>bad sums: {count}</source>
+        <translation>bozuk ileti: {count}</translation>
+    </message>
+    <message>
+        <source>battery {part} %</source>
+        <translation>pil %{part}</translation>
+    </message>
+    <message>
+        <source>disc: {hours} h left ({size} GB)</source>
+        <translation>disk: {hours} saat kaldı ({size} GB)</translation>
+    </message>
+    <message>
+        <source>disc: {size} GB free</source>
+        <translation>disk: {size} GB boş</translation>
+    </message>
+    <message>
+        <source>gaps: {count}</source>
+        <translation>boşluk: {count}</translation>
+    </message>
+    <message>
+        <source>garbage: {count} B</source>
+        <translation>anlaşılmayan: {count} B</translation>
+    </message>
+    <message>
+        <source>not drawn: {count}</source>
+        <translation>çizilmeyen: {count}</translation>
+    </message>
+    <message>
+        <source>repeated: {count}</source>
+        <translation>yinelenen: {count}</translation>
+    </message>
+    <message>
+        <source>restarts: {count}</source>
+        <translation>yeniden başlama: {count}</translation>
+    </message>
+    <message>
+        <source>sound lost: {count}</source>
+        <translation>ses kaybı: {count}</translation>
+    </message>
+    <message>
+        <source>■  Press again to stop</source>
+        <translation>■  Durdurmak için bir daha</translation>
+    </message>
+    <message>
+        <source>■  Stop (press twice)</source>
+        <translation>■  Durdur (iki kez)</translation>
+    </message>
+    <message>
+        <source>○ not recording</source>
+        <translation>○ kayıt yok</translation>
+    </message>
+    <message>
+        <source>○ on disc: …</source>
+        <translation>○ diske yazma: …</translation>
+    </message>
+    <message>
+        <source>●  Record</source>
+        <translation>●  Kayıt</translation>
+    </message>
+    <message>
+        <source>⚠ battery {part} %: plug in</source>
+        <translation>⚠ pil %{part}: fişe takın</translation>
+    </message>
+    <message>
+        <source>⚠ disc: {hours} h left</source>
+        <translation>⚠ disk: {hours} saat kaldı</translation>
+    </message>
+    <message>
+        <source>⚠ on disc: {age} s late</source>
+        <translation>⚠ disk {age} s geride</translation>
+    </message>
+    <message>
+        <source>⚡ mains, {part} %</source>
+        <translation>⚡ şebeke, %{part}</translation>
+    </message>
+    <message>
+        <source>✓ on disc</source>
+        <translation>✓ diskte</translation>
+    </message>
+</context>
+<context>
+    <name>RecordingWords</name>
+    <message>
+        <source>alive</source>
+        <translation>çalışıyor</translation>
+    </message>
+    <message>
+        <source>closed</source>
+        <translation>kapalı</translation>
+    </message>
+    <message>
+        <source>input lost</source>
+        <translation>giriş koptu</translation>
+    </message>
+    <message>
+        <source>no signal</source>
+        <translation>sinyal yok</translation>
+    </message>
+    <message>
+        <source>not chosen</source>
+        <translation>seçilmedi</translation>
+    </message>
+    <message>
+        <source>waiting for it</source>
+        <translation>bekleniyor</translation>
     </message>
 </context>
 <context>
@@ -3159,6 +3721,10 @@
     <message>
         <source>or drop a folder anywhere on this window</source>
         <translation>ya da bir klasörü bu pencerenin üzerine bırakın</translation>
+    </message>
+    <message>
+        <source>●  Record</source>
+        <translation>●  Kayıt</translation>
     </message>
 </context>
 <context>
