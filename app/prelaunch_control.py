@@ -10,21 +10,43 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Protocol
 
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QObject, QTimer, Signal, SignalInstance
 
 from app.battery import Battery
 from app.recording_parts import Block, RecordingWish
+from app.settings import PreferencesStore
 from processing.live.check_sheet import CheckSheet
 from processing.live.prelaunch import CheckPlan, CheckView, Phase, PrelaunchCheck, Surroundings
-from processing.live.stream import LinkState, RecordingStatus
+from processing.live.stream import LinkState, RecordingState, RecordingStatus
+from widgets.optional_number import parse_number
 from widgets.prelaunch_panel import PrelaunchPanel
 
 LOOK_MS = 100
 PLANNED_S = 3600.0  # where nobody said how long it takes
 
 
+def remember_check(panel: PrelaunchPanel, preferences: PreferencesStore) -> None:
+    """Keep the panel's numbers for the next time."""
+    speed = "" if panel.speed_mps is None else repr(panel.speed_mps)
+    kept = {"check_speed_mps": speed, "check_range_dps": repr(panel.gyro_range_dps)}
+    preferences.change(recording={**preferences.values.recording, **kept})
+
+
+def recall_check(panel: PrelaunchPanel, preferences: PreferencesStore) -> None:
+    """Put them back; what is no number is left as a new panel has it."""
+    kept = preferences.values.recording
+    try:
+        speed = parse_number(kept.get("check_speed_mps", ""))
+        full_scale = parse_number(kept.get("check_range_dps", ""))
+    except ValueError:
+        return
+    panel.set_values(speed, full_scale or panel.gyro_range_dps)
+
+
 class Host(Protocol):
     """The recording page's control, as far as the check needs it."""
+
+    looked: SignalInstance  # ten times a second
 
     @property
     def status(self) -> RecordingStatus | None:
@@ -42,7 +64,7 @@ class Host(Protocol):
         """Hand every block to ``listener`` too; returns what ends that."""
 
     def keep_sheet(self, sheet: CheckSheet) -> None:
-        """Store the sheet with the recording under way, or with the next one."""
+        """Store the sheet with the recording under way."""
 
 
 class _Running:
@@ -93,12 +115,14 @@ class PrelaunchControl(QObject):
         self._running: _Running | None = None
         self._forget: Callable[[], None] | None = None
         self._power: Battery | None = None
+        self._waiting: CheckSheet | None = None  # for the recording that comes
         self._timer = QTimer(self)
         self._timer.setInterval(LOOK_MS)
         self._timer.timeout.connect(self.look)
         panel.check_asked.connect(self.begin)
         panel.skip_asked.connect(self._skip)
         panel.stop_asked.connect(self.break_off)
+        host.looked.connect(self.show_ready)
 
     @property
     def running(self) -> bool:
@@ -110,6 +134,7 @@ class PrelaunchControl(QObject):
         status = self._host.status
         alive = status is not None and LinkState.LIVE in (status.sound.state, status.motion.state)
         self._panel.set_ready(devices=alive, recording=self._host.recording)
+        self._hand_over()
         if status is None and self._running is not None:  # the devices were let go
             self.break_off()
 
@@ -152,8 +177,16 @@ class PrelaunchControl(QObject):
             self._end()
             sheet = running.sheet()
             self._panel.show_sheet(sheet)
-            self._host.keep_sheet(sheet)
+            self._waiting = sheet
+            self._hand_over()
             self.finished.emit(sheet)
+
+    def _hand_over(self) -> None:
+        """Have the last sheet stored: at once while it is recorded, else when the recording begins."""
+        status = self._host.status
+        if self._waiting is not None and status is not None and status.state is RecordingState.RECORDING:
+            self._host.keep_sheet(self._waiting)
+            self._waiting = None
 
     def _around(self) -> Surroundings:
         status = self._host.status or RecordingStatus()

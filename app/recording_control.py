@@ -20,6 +20,7 @@ from app.recording_parts import FoundDevices, RecorderLike, RecordingKit, Record
 from app.settings import PreferencesStore
 from processing import messages
 from processing.errors import LeaklineError
+from processing.live.check_sheet import CheckSheet
 from processing.live.stream import LinkState, RecordingState, RecordingStatus
 from processing.survey import Severity
 from widgets.press_twice import PressTwice
@@ -41,6 +42,7 @@ class RecordingControl(QObject):
     changed = Signal()  # recording or not, markers
     process_asked = Signal(object)  # Path of a recording's folder
     folder_asked = Signal()
+    looked = Signal()  # the status was looked at
     stopped = Signal()  # a recording has ended, its files are closed
     _ready = Signal()
     _stumbled = Signal(object)
@@ -314,6 +316,12 @@ class RecordingControl(QObject):
         if folder is not None:
             self.process_asked.emit(folder)
 
+    def keep_sheet(self, sheet: CheckSheet) -> None:
+        """Keep the sheet of a check with the recording under way."""
+        recorder = self._recorder
+        if recorder is not None:
+            self._calls.run(lambda: recorder.keep_sheet(sheet))
+
     def clear_clip(self) -> None:
         """Put out the clip light."""
         if self._recorder is not None:
@@ -341,6 +349,7 @@ class RecordingControl(QObject):
         self._look_at_battery(now)
         self._tell_findings(status, now)
         ended = before is not None and before.state is RecordingState.RECORDING
+        self.looked.emit()
         if ended and status.state in (RecordingState.FAILED, RecordingState.STOPPED) and not self._busy:
             self.stop()  # it ended by itself: bring the page to the same end
 
@@ -411,7 +420,7 @@ class RecordingControl(QObject):
         self.changed.emit()
 
     def _remember(self) -> None:
-        values = remembered(self._page)
+        values = {**self._preferences.values.recording, **remembered(self._page)}
         if values != self._preferences.values.recording:
             self._preferences.change(recording=values)
 

@@ -17,6 +17,7 @@ from widgets.recording_words import clock_text
 if TYPE_CHECKING:
     from app.recording_control import RecordingControl
     from app.recording_page import RecordingPage
+    from widgets.prelaunch_panel import PrelaunchPanel
 
 PAGE = "recording"
 CLOSE_WITHIN_S = 6.0
@@ -49,6 +50,7 @@ class RecordingEntry(QObject):
         self._close_when_stopped = False
         self.control: RecordingControl | None = None
         self.page: RecordingPage | None = None
+        self._check_panel: PrelaunchPanel | None = None
         self.strip = QPushButton()
         self.strip.setObjectName("recording_strip")
         self.strip.setMinimumHeight(44)
@@ -115,6 +117,8 @@ class RecordingEntry(QObject):
         """Draw in these colours and letters."""
         if self.page is not None:
             self.page.apply_theme(theme)
+        if self._check_panel is not None:
+            self._check_panel.apply_theme(theme)
 
     def may_close(self) -> bool:
         """Tell whether the window may close now; while it is recorded the second asking ends the recording first."""
@@ -139,8 +143,10 @@ class RecordingEntry(QObject):
     # --- inside ---
 
     def _build(self) -> None:
+        from app.prelaunch_control import PrelaunchControl, recall_check, remember_check
         from app.recording_control import RecordingControl
-        from app.recording_page import RecordingPage
+        from app.recording_page import PRELAUNCH, RecordingPage
+        from widgets.prelaunch_panel import PrelaunchPanel
 
         self.page = RecordingPage(theme_named(self._preferences.values.theme), self._language)
         self._pages[PAGE] = self.page
@@ -152,6 +158,12 @@ class RecordingEntry(QObject):
         control.changed.connect(self._on_changed)
         control.stopped.connect(self._on_stopped)
         self.control = control
+        panel = PrelaunchPanel(self._language, theme_named(self._preferences.values.theme))
+        self.page.add_panel(PRELAUNCH, self.tr("Check"), panel)
+        self._check_panel = panel
+        self.prelaunch = PrelaunchControl(panel, control, self._kit.battery, control)
+        recall_check(panel, self._preferences)
+        panel.changed.connect(lambda: remember_check(panel, self._preferences))
 
     def _ask_folder(self) -> None:
         assert self.control is not None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from app.battery import Battery, battery
 from app.keep_awake import keep_awake
 from processing.errors import LeaklineError
+from processing.live.check_sheet import CheckSheet
 from processing.live.stream import MotionBlock, RecordingStatus, SoundBlock
 from processing.survey import Survey, TiePoint
 from widgets.device_form import NONE, FoundPort, FoundSound, MotionWish, SoundWish
@@ -59,6 +60,9 @@ class RecorderLike(Protocol):
 
     def unmark(self) -> TiePoint | None:
         """Take the last tie point back; raises LeaklineError."""
+
+    def keep_sheet(self, sheet: CheckSheet) -> None:
+        """Keep the sheet of a check with the recording under way."""
 
     def clear_clip(self) -> None:
         """Put out the clip light."""

@@ -18,6 +18,7 @@ from processing.survey import FloatArray, Motion
 LISTEN_S = 4.0
 REST_S = 8.0
 _REST_AT_MOST_S = 30.0
+_REST_AT_LEAST_S = 2.0  # as the calibration: a shorter one tells too little
 _KNOCK_AT_MOST_S = 25.0
 _AFTER_KNOCKS_S = 1.0
 _PIECE_S = 0.5
@@ -261,8 +262,8 @@ class _Stillness:
         self._rows += [(piece[1], piece[2], piece[3]) for piece in pieces]
 
     def rows(self) -> tuple[FloatArray, FloatArray, FloatArray | None]:
-        """Return the still rows (n, 3) of force, rate and field; where it never lay still, the last that moved."""
-        rows = self._rows or self._moving
+        """Return the still rows (n, 3) of force, rate and field; of too short a rest, the last that moved."""
+        rows = self._rows if self.still_s >= _REST_AT_LEAST_S else self._moving
         if not rows:
             return np.zeros((0, 3)), np.zeros((0, 3)), None
         mags = [row[2] for row in rows if row[2] is not None]

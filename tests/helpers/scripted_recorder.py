@@ -48,7 +48,7 @@ class ScriptedRecorder:
     def __init__(self, wish, folder=None):
         self.wish, self.asked, self.feed = wish, [], Feed()
         self.folder = folder or Path("/nowhere/Main-2026-11-22.leakline")
-        self.points, self.threads = [], set()
+        self.points, self.threads, self.sheets = [], set(), []
         self.fail_open = self.fail_begin = self.fail_mark = None
         self.now_s = time.monotonic
         self.current = RecordingStatus(
@@ -95,6 +95,10 @@ class ScriptedRecorder:
     def unmark(self):
         self._ask("unmark")
         return self.points.pop() if self.points else None
+
+    def keep_sheet(self, sheet):
+        self._ask("keep_sheet")
+        self.sheets.append(sheet)
 
     def clear_clip(self):
         self._ask("clear_clip")

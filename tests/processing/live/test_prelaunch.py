@@ -5,48 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bench_ball import HOST_S, IMU_RATE, IRREGULAR, RATE, Bench
 
 from processing import messages
 from processing.live.check_items import GRAVITY_MPS2, CheckSettings, range_item, rate_item, saturation_speed_mps
 from processing.live.check_knocks import KnockEar, KnockFeel, pair_knocks
 from processing.live.check_sheet import CheckSheet, Light
 from processing.live.prelaunch import CheckPlan, Phase, PrelaunchCheck, Surroundings
-from processing.live.stream import DiscStatus, LinkState, MotionBlock, MotionStatus, SoundBlock, SoundStatus
-from processing.survey import ImuSamples, Motion
+from processing.live.stream import DiscStatus, LinkState, MotionStatus, SoundStatus
+from processing.survey import Motion
 
-RATE, IMU_RATE = 16000, 200.0
 PLAN = CheckPlan(radius_m=0.0475, speed_mps=0.8, planned_s=7200.0)
-IRREGULAR = (15.0, 15.9, 16.4, 17.6, 18.2)
-HOST_S = 5000.0
-
-
-class Bench:
-    """A ball on a bench: what its sensors give from 0 to 30 s, with knocks at the given moments."""
-
-    def __init__(self, knocks=IRREGULAR, seed=1, bias_dps=0.6, late_s=0.03, gravity=GRAVITY_MPS2, hiss=1e-3):
-        rng = np.random.default_rng(seed)
-        self.late_s = late_s
-        time = np.arange(int(30 * RATE)) / RATE
-        self.wave = hiss * rng.standard_normal(len(time))
-        self.imu_s = np.arange(int(30 * IMU_RATE)) / IMU_RATE
-        self.acc = np.array([0.0, 0.0, gravity]) + 0.02 * rng.standard_normal((len(self.imu_s), 3))
-        self.gyr = np.radians([bias_dps, 0, 0]) + np.radians(0.05) * rng.standard_normal((len(self.imu_s), 3))
-        for at in knocks:
-            after = np.maximum(time - at, 0.0)
-            self.wave += 0.3 * np.exp(-after / 0.01) * np.sin(2 * np.pi * 3000 * after)
-            self.acc[:, 0] += 30.0 * np.exp(-0.5 * ((self.imu_s - at) / 0.004) ** 2)
-        self.knocks = knocks
-
-    def sound(self, start_s, end_s):
-        first, end = int(start_s * RATE), int(end_s * RATE)
-        frames = np.round(self.wave[first:end, None] * 2.0**31).clip(-(2**31), 2**31 - 1).astype(np.int32)
-        return SoundBlock(frames, first, HOST_S + first / RATE + self.late_s)
-
-    def motion(self, start_s, end_s):
-        rows = (self.imu_s >= start_s) & (self.imu_s < end_s)
-        count = int(rows.sum())
-        imu = ImuSamples(self.imu_s[rows], self.acc[rows], self.gyr[rows], np.ones(count, np.bool_))
-        return MotionBlock(imu, HOST_S + float(self.imu_s[rows][-1]))
 
 
 def around(frames=0, samples=0, **more):
