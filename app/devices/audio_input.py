@@ -166,6 +166,9 @@ class AudioInput:
                 self._place = Placing(rate_hz, self._choice.channels)
             self._device = device.name
         stream = self._open_device(device, rate_hz, self._choice.channels, callback)
+        if stream.is_converted:
+            with self._lock:
+                self._source = Source(device.name, device.default_rate_hz)
         if self._choice.is_default:
             # when the microphone is unplugged the default becomes another one, which must not go on in its place
             self._choice = AudioChoice(device.name, self._choice.rate_hz, self._choice.channels)

@@ -73,7 +73,7 @@ class SoundServer:
         )
 
     def start(self) -> None:
-        """Start the server and wait until it answers."""
+        """Start the server and wait until it answers; it ends with the thread that calls this."""
         if self.is_running():
             return
         self.socket.unlink(missing_ok=True)  # a killed server leaves it behind

@@ -36,7 +36,7 @@ class Played:
         self.opened = []  # (device, rate, channels)
         self.callback = None
         self.refuses = None
-        self.source = None
+        self.source, self.is_converted = None, False
         self.hangs_opening = self.hangs_closing = False
         self.go_on = threading.Event()
         self.closed = 0
@@ -53,7 +53,7 @@ class Played:
             self.go_on.wait(DEADLINE_S)
         self.opened.append((device, rate_hz, channels))
         self.callback, self._begun_s, self._sent = callback, time.monotonic(), 0
-        return SimpleNamespace(sample_rate_hz=float(rate_hz), is_converted=False, close=self._close)
+        return SimpleNamespace(sample_rate_hz=float(rate_hz), is_converted=self.is_converted, close=self._close)
 
     def _close(self):
         if self.hangs_closing:
@@ -314,3 +314,12 @@ def test_a_device_that_the_system_put_in_place_of_ours_is_not_recorded(begun, mo
 
     wait_for(heard, "the device to be heard again")
     assert {int(b.frames[0, 0]) for b in blocks} == {1, 3}
+
+
+def test_a_stream_that_the_system_resamples_says_from_which_rate(begun):
+    system = Played(INNER)
+    system.is_converted = True
+    sound = begun(system, choice=AudioChoice(INNER.name, RATE_HZ))
+    wait_for(lambda: sound.status().source, "the source to be known")
+    status = sound.status()
+    assert (status.sample_rate_hz, status.source_rate_hz) == (48_000.0, 44_100.0)

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 import soundfile
+from sound_server import why_missing
 
 from app.devices import audio_input
 from app.devices.audio_input import AudioInput
@@ -60,7 +61,8 @@ def test_what_is_played_arrives_bit_by_bit(sound_server, record, tmp_path, rate_
 
 
 @pytest.mark.parametrize("what", ["server", "sink"])
-def test_a_lost_device_is_found_again_and_the_gap_is_as_long_as_it_was_gone(sound_server, record, what):
+def test_a_lost_device_is_found_again_and_the_gap_is_as_long_as_it_was_gone(sound_server, record, monkeypatch, what):
+    monkeypatch.setattr(audio_input, "RETRY_S", 0.3)
     blocks = []
     sound = record(blocks.append, AudioChoice("default", 48_000, 1))
     wait_for(lambda: sound.status().frames > 48_000, "a second of sound")
@@ -146,3 +148,9 @@ def test_a_file_as_device_arrives_in_order_and_what_found_no_room_is_counted(sou
     lost = [b for b in within if b.lost_before]
     assert lost
     assert {b.reason for b in lost} == {"sound_behind"}
+
+
+def test_where_the_programs_are_missing_the_reason_names_their_packages(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    reason = why_missing()
+    assert "pulseaudio, pulseaudio-utils not installed" in reason
