@@ -15,11 +15,11 @@ WAIT_S = 3.0  # for a call of another thread; longer, and the system hangs
 
 
 class _Held:
-    """How many streams of this process are open. One a process, as the C library behind it is."""
+    """Which streams of this process are open. One a process, as the C library behind it is."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self.streams = 0
+        self.streams: set["Hold"] = set()
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -66,12 +66,8 @@ class Hold:
 
     def __init__(self) -> None:
         with _held.locked():
-            _held.streams += 1
-        self._is_held = True
+            _held.streams.add(self)
 
     def release(self) -> None:
-        """Let the library go; a second time does nothing."""
-        if self._is_held:
-            self._is_held = False
-            with _held.locked():
-                _held.streams -= 1
+        """Let the library go, without ever waiting; a second time does nothing."""
+        _held.streams.discard(self)
