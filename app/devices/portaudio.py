@@ -19,7 +19,7 @@ class _Held:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self.streams: set["Hold"] = set()
+        self.streams: set[Hold] = set()
 
     @contextmanager
     def locked(self) -> Iterator[None]:
