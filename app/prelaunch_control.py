@@ -15,8 +15,8 @@ from PySide6.QtCore import QObject, QTimer, Signal, SignalInstance
 from app.battery import Battery
 from app.recording_parts import Block, RecordingWish
 from app.settings import PreferencesStore
-from processing.live.check_sheet import CheckSheet
-from processing.live.prelaunch import CheckPlan, CheckView, Phase, PrelaunchCheck, Surroundings
+from processing.live.check_sheet import CheckSheet, CheckView, Phase
+from processing.live.prelaunch import CheckPlan, PrelaunchCheck, Surroundings
 from processing.live.stream import LinkState, RecordingState, RecordingStatus
 from widgets.optional_number import parse_number
 from widgets.prelaunch_panel import PrelaunchPanel

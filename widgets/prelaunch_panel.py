@@ -16,9 +16,8 @@ from PySide6.QtWidgets import (
 )
 
 from processing import messages
-from processing.live.check_sheet import CheckItem, CheckSheet, Light
+from processing.live.check_sheet import CheckItem, CheckSheet, CheckView, Light, Phase
 from processing.live.check_words import item_sentence, item_title, light_word
-from processing.live.prelaunch import CheckView, Phase
 from processing.survey import Verdict
 from widgets.optional_number import OptionalNumber
 from widgets.painted_widget import PaintedWidget

@@ -1,9 +1,11 @@
 """From a device folder (or a single file) to a :class:`~processing.survey.Recording`: the door of this package."""
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
+from processing.importing.check_sheets import check_sheets
 from processing.importing.choosing import files_of, folder_of, imu_of, read_imu, read_survey, survey_of
 from processing.importing.doctor import Examined, examine
 from processing.importing.options import ImportOptions
@@ -71,7 +73,7 @@ def import_folder(
     roles = [*((f, "imu") for f in used), *((f, "audio") for f in sounds if audio is not None)]
     roles += [(survey_file, "survey")] if survey_file is not None else []
     imported = _hashed(roles, progress.part(0.75, 1.0), known)
-    return _recording(examined, audio, findings, imported)
+    return replace(_recording(examined, audio, findings, imported), sheets=check_sheets(folder))
 
 
 def _recording(

@@ -78,3 +78,27 @@ def _item(entry: object) -> CheckItem | None:
         elif isinstance(value, int | float):
             told[str(name)] = float(value)
     return CheckItem(key[:40], Light(light), verdict[:40], told)
+
+
+# --- while it is made
+
+
+class Phase(StrEnum):
+    """What the operator is asked to do."""
+
+    LISTEN = "listen"  # nothing: the devices are heard
+    REST = "rest"  # lay it down and keep it still
+    KNOCK = "knock"  # knock five times, irregularly
+    DONE = "done"
+
+
+@dataclass(frozen=True)
+class CheckView:
+    """How far the check is: the phase, how much of it is done (0..1), knocks that both sensors had so far."""
+
+    phase: Phase
+    fraction: float
+    heard: int = 0
+    felt: int = 0
+    both: int = 0
+    moved: bool = False  # it did not lie still: the rest begins anew

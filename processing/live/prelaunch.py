@@ -4,14 +4,13 @@ At the end of a run the knocks alone are asked for again (``kind="end"``): they 
 """
 
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 
 import numpy as np
 
 from processing.live import check_items
 from processing.live.check_items import CheckSettings
 from processing.live.check_knocks import KnockEar, KnockFeel, Knocks, pair_knocks
-from processing.live.check_sheet import CheckItem, CheckSheet
+from processing.live.check_sheet import CheckItem, CheckSheet, CheckView, Phase
 from processing.live.stream import DiscStatus, MotionBlock, MotionStatus, SoundBlock, SoundStatus
 from processing.survey import FloatArray, Motion
 
@@ -25,15 +24,6 @@ _PIECE_S = 0.5
 
 
 _Rows = tuple[FloatArray, FloatArray, FloatArray | None]  # force, rate, field
-
-
-class Phase(StrEnum):
-    """What the operator is asked to do."""
-
-    LISTEN = "listen"  # nothing: the devices are heard
-    REST = "rest"  # lay it down and keep it still
-    KNOCK = "knock"  # knock five times, irregularly
-    DONE = "done"
 
 
 @dataclass(frozen=True)
@@ -59,18 +49,6 @@ class Surroundings:
     disc: DiscStatus = field(default_factory=DiscStatus)
     battery_pct: float | None = None
     is_plugged: bool = False
-
-
-@dataclass(frozen=True)
-class CheckView:
-    """How far the check is: the phase, how much of it is done (0..1), knocks that both sensors had so far."""
-
-    phase: Phase
-    fraction: float
-    heard: int = 0
-    felt: int = 0
-    both: int = 0
-    moved: bool = False  # it did not lie still: the rest begins anew
 
 
 class PrelaunchCheck:

@@ -4,8 +4,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from processing import messages
-from processing.live.check_sheet import CheckItem, CheckSheet, Light
-from processing.live.prelaunch import CheckView, Phase
+from processing.live.check_sheet import CheckItem, CheckSheet, CheckView, Light, Phase
 from widgets.plot_theme import SUN
 from widgets.prelaunch_panel import PrelaunchPanel, light_mark
 

@@ -10,8 +10,8 @@ from bench_ball import HOST_S, IMU_RATE, IRREGULAR, RATE, Bench
 from processing import messages
 from processing.live.check_items import GRAVITY_MPS2, CheckSettings, range_item, rate_item, saturation_speed_mps
 from processing.live.check_knocks import KnockEar, KnockFeel, pair_knocks
-from processing.live.check_sheet import CheckSheet, Light
-from processing.live.prelaunch import CheckPlan, Phase, PrelaunchCheck, Surroundings
+from processing.live.check_sheet import CheckSheet, Light, Phase
+from processing.live.prelaunch import CheckPlan, PrelaunchCheck, Surroundings
 from processing.live.stream import DiscStatus, LinkState, MotionStatus, SoundStatus
 from processing.survey import Motion
 
