@@ -56,7 +56,7 @@ class PacedClock:
         self._held_until_s = 0.0  # host time of the newest placed chunk
         self._latest_s = 0.0  # the axis, unrounded
         self._zero_s: float | None = None  # host time of the axis' 0
-        self._late: list[tuple[float, float]] = []  # host time, by how much the newest sample came after the line
+        self._behind_since_s = 0.0  # host time
 
     def place(self, frames: Frames, host_s: float) -> tuple[Frames, Events]:
         """Return the samples on the axis, and what was odd; the first second's wait until the rate is known."""
@@ -107,7 +107,7 @@ class PacedClock:
         end_host_s = float(np.min(behind)) + self._nominal_s * float(ends[-1])
         first_host_s = end_host_s - self._nominal_s * (float(ends[-1]) - 1.0)
         self._line = ArrivalFit(memory_s=_MEMORY_S, window_s=0.5, most_windows=512, prior_ppm=5000.0)
-        self._index, self._begun_s = -1, first_host_s
+        self._index, self._begun_s, self._behind_since_s = -1, first_host_s, 0.0
         if self.latest is None:
             self._latest_s, self._zero_s = -self._nominal_s, first_host_s
         else:
@@ -154,19 +154,17 @@ class PacedClock:
         """Find the rate anew where the arrivals of some seconds are all late, or one is of the future."""
         host_s = self._held_until_s
         late_s = host_s - float(self._line_host_s(self._index))
-        self._late.append((host_s, late_s))
-        while self._late[0][0] < host_s - _BEHIND_FOR_S:
-            self._late.pop(0)
-        spans = host_s - self._late[0][0] > 0.8 * _BEHIND_FOR_S
-        if late_s < -_AHEAD_S or (spans and min(late for _, late in self._late) > _BEHIND_S):
+        if late_s <= _BEHIND_S:
+            self._behind_since_s = host_s
+        if late_s < -_AHEAD_S or host_s - self._behind_since_s > _BEHIND_FOR_S:
             self.period_us = 0.0
-            self._late = []
 
     # --- placing
 
     def _released(self, events: Events) -> Frames:
         out = [self._paced(part, host_s, events) for part, host_s in zip(self._held, self._held_host_s, strict=True)]
         self._held_until_s = self._held_host_s[-1]
+        self._behind_since_s = self._behind_since_s or self._held_until_s
         self._held, self._held_host_s = [], []
         return joined(out)
 
