@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
@@ -17,6 +18,7 @@ from processing.errors import ErrorCode, LeaklineError, Place
 
 _PIPE_S = 0.1
 _AT_ONCE_BYTES = 4096  # as much goes into a pipe whole or not at all (PIPE_BUF): no frame is ever torn
+_PATIENCE_S, _RETRY_S = 1.0, 0.002
 _LATENCY_MS = 2000  # a busy machine must not make holes in the sound
 
 
@@ -52,6 +54,8 @@ class MicrophoneOut:
         self._frame_bytes = 4 * channels
         self._size = 1 << int(np.ceil(np.log2(max(_PIPE_S * rate_hz * self._frame_bytes, 4 * _AT_ONCE_BYTES))))
         self._pipe = -1
+        self._is_heard = False
+        self._flowed = 0  # bytes since the pipe was full
         self._open()
 
     def _open(self) -> None:
@@ -64,7 +68,7 @@ class MicrophoneOut:
                 fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, self._size)
 
     def write(self, frames: SoundArray) -> int:
-        """Write frames; a full pipe is not being recorded and is emptied of what is old."""
+        """Write frames; a pipe that stays full is not being recorded, and is emptied of what is old."""
         if self._pipe < 0:
             return 0
         data = np.ascontiguousarray(frames, "<f4").tobytes()
@@ -72,13 +76,27 @@ class MicrophoneOut:
         heard = 0
         for at in range(0, len(data), step):
             piece = data[at : at + step]
+            if self._write(piece):
+                heard += len(piece) // self._frame_bytes
+            else:
+                heard = 0
+        return heard if self._is_heard else 0
+
+    def _write(self, piece: bytes) -> bool:
+        until = time.monotonic() + (_PATIENCE_S if self._is_heard else 0.0)
+        while True:
             try:
                 os.write(self._pipe, piece)
-                heard += len(piece) // self._frame_bytes
             except BlockingIOError:
+                if time.monotonic() < until:  # a busy machine: whoever records will come to it
+                    time.sleep(_RETRY_S)
+                    continue
                 self._forget()
-                heard = 0
-        return heard
+                self._is_heard, self._flowed = False, 0
+                return False
+            self._flowed += len(piece)
+            self._is_heard |= self._flowed > 2 * self._size  # more than it holds: somebody takes it out
+            return True
 
     def _forget(self) -> None:
         with suppress(BlockingIOError):
@@ -102,7 +120,7 @@ class MicrophoneOut:
     def _close_pipe(self) -> None:
         if self._pipe >= 0:
             os.close(self._pipe)
-        self._pipe = -1
+        self._pipe, self._is_heard, self._flowed = -1, False, 0
 
 
 class _Unplugged:
