@@ -16,7 +16,7 @@ from processing.live.stream import LinkState
 log = logging.getLogger(__name__)
 
 SILENT_S = 1.5  # open, but nothing comes
-PACE_S = 0.008  # between reads: what comes meanwhile waits in the system; a read a sample would cost a core's share
+PACE_S = 0.016  # between reads: what comes meanwhile waits in the system; a read a sample would cost a core's share
 _FULL_BYTES = 2048  # after so much the next read follows at once
 _RETRY_S = (0.1, 2.0)  # the first wait before opening again, and the longest
 _STALE_EVERY_S = 1.0
