@@ -17,20 +17,17 @@ from app.recording_markers import RecordingMarkers
 from app.recording_memory import recall, remembered
 from app.recording_page import RecordingPage
 from app.recording_parts import FoundDevices, RecorderLike, RecordingKit, RecordingWish
+from app.recording_telling import RecordingTelling
 from app.settings import PreferencesStore
-from processing import messages
 from processing.errors import LeaklineError
 from processing.live.check_sheet import CheckSheet
-from processing.live.stream import LinkState, RecordingState, RecordingStatus
-from processing.survey import Severity
+from processing.live.stream import RecordingState, RecordingStatus
 from widgets.press_twice import PressTwice
 from widgets.recording_words import clock_text
 
 log = logging.getLogger(__name__)
 
 LOOK_MS = 100
-BATTERY_EVERY_S = 10.0
-BANNER_S = 20.0  # how long a warning stands above the page; what still holds is said on
 DEAF_S = 1.5  # after a start no press counts: a double click must not begin to stop it
 _BUSY = (RecordingState.RECORDING, RecordingState.STOPPING)
 
@@ -58,6 +55,7 @@ class RecordingControl(QObject):
         super().__init__(parent)
         self._page, self._preferences, self._kit, self._monotonic = page, preferences, kit, monotonic
         self._calls = OrderedCalls("recorder", self)
+        self._telling = RecordingTelling(page, self._calls, kit.battery, monotonic)
         self._calls.failed.connect(self._on_failure)
         self._recorder: RecorderLike | None = None
         self._worker: LiveWorker | None = None
@@ -66,11 +64,6 @@ class RecordingControl(QObject):
         self._busy = False  # a start or a stop is on its way
         self._in_front = False
         self._folder: Path | None = None
-        self._trouble = ""
-        self._banner_until_s = 0.0
-        self._banner = ""
-        self._findings = 0
-        self._battery_s = -1e9
         self._let_sleep: Callable[[], None] | None = None
         self._chainage_m: float | None = None
         self.guard = PressTwice(monotonic)
@@ -197,7 +190,8 @@ class RecordingControl(QObject):
         except LeaklineError as error:
             self._on_failure(error)
             return
-        self._recorder, self._findings = recorder, 0
+        self._recorder = recorder
+        self._telling.forget()
         self._calls.run(recorder.open, lambda _: self._on_open(recorder), lambda e: self._on_not_open(recorder, e))
 
     def _on_open(self, recorder: RecorderLike) -> None:
@@ -256,7 +250,7 @@ class RecordingControl(QObject):
 
     def _on_start(self, recorder: RecorderLike) -> None:
         self._busy = False
-        self._findings = 0
+        self._telling.forget()
         self.guard.reset(DEAF_S)
         if self._worker is not None:
             self._worker.order(lambda view: view.restart_path())
@@ -336,21 +330,21 @@ class RecordingControl(QObject):
 
     def look(self) -> None:
         """Show how everything is now."""
-        page, now = self._page, self._monotonic()
         recorder = self._recorder
-        status = recorder.status() if recorder is not None else RecordingStatus()
-        before, self._status = self._status, status if recorder is not None else None
-        if self._worker is not None:
+        status = recorder.status() if recorder is not None else None
+        before, self._status = self._status, status
+        if self._worker is not None and status is not None:
             self._worker.set_sample_rate(status.sound.sample_rate_hz)
-        page.show_links(status.sound, status.motion)
-        if not self._folder:
-            page.panel.show_status(status, now)
+        self._telling.show(status, self.wish, done=self._folder is not None)
         self._show_button()
-        self._look_at_battery(now)
-        self._tell_findings(status, now)
         ended = before is not None and before.state is RecordingState.RECORDING
         self.looked.emit()
-        if ended and status.state in (RecordingState.FAILED, RecordingState.STOPPED) and not self._busy:
+        if (
+            ended
+            and status is not None
+            and status.state in (RecordingState.FAILED, RecordingState.STOPPED)
+            and not self._busy
+        ):
             self.stop()  # it ended by itself: bring the page to the same end
 
     def _show_button(self) -> None:
@@ -359,39 +353,6 @@ class RecordingControl(QObject):
             state = RecordingState.STOPPING
         ready = self._recorder is not None and not self._busy and not self._folder
         self._page.panel.show_state(state, armed=self.guard.armed, ready=ready)
-
-    def _look_at_battery(self, now: float) -> None:
-        if now - self._battery_s < BATTERY_EVERY_S:
-            return
-        self._battery_s = now
-        found = self._kit.battery()
-        if found is None:
-            self._page.panel.show_battery(None, plugged=False)
-        else:
-            self._page.panel.show_battery(found.part, plugged=found.plugged)
-
-    def _tell_findings(self, status: RecordingStatus, now: float) -> None:
-        language = self._page.language
-        lines = [messages.finding_sentence(finding, language) for finding in status.findings]
-        if len(lines) > self._findings and status.findings[-1].severity is Severity.WARNING:
-            self._warn(lines[-1])
-        self._findings = len(lines)
-        banner = self._banner if now < self._banner_until_s else ""
-        lost = [
-            badge.text.partition(" · ")[0]
-            for badge, link in ((self._page.sound_badge, status.sound), (self._page.imu_badge, status.motion))
-            if link.state is LinkState.LOST
-        ]
-        if self.recording and self.guard.armed:
-            banner = self.tr("Press once more to stop the recording")
-        elif not banner and lost:
-            banner = "   ·   ".join(f"⚠ {text}" for text in lost)
-        if self._trouble and not status.findings:
-            lines = [self._trouble, *lines]
-        self._page.messages.show_lines(lines, banner)
-
-    def _warn(self, text: str) -> None:
-        self._banner, self._banner_until_s = text, self._monotonic() + BANNER_S
 
     def _draw(self) -> None:
         if not self._in_front or self._worker is None:
@@ -416,6 +377,7 @@ class RecordingControl(QObject):
         ties = tuple(point for point in self.markers.points if point.chainage_m is not None)
         if self._worker is not None:
             self._worker.order(lambda view: view.set_tie_points(ties))
+        self._page.set_marks(self.markers.points)
         del points
         self.changed.emit()
 
@@ -425,12 +387,8 @@ class RecordingControl(QObject):
             self._preferences.change(recording=values)
 
     def _on_failure(self, error: Exception) -> None:
-        if not isinstance(error, LeaklineError):
-            sys.excepthook(type(error), error, error.__traceback__)  # the crash guard logs and tells it
-            return
-        self._trouble = messages.error_sentence(error, self._page.language)
-        self._warn(self._trouble)
-        self._tell_findings(self._status or RecordingStatus(), self._monotonic())
+        self._telling.fail(error)
+        self.look()
 
     def _on_stumble(self, error: Exception) -> None:
         sys.excepthook(type(error), error, error.__traceback__)

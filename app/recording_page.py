@@ -1,6 +1,7 @@
 """The recording page: button, markers and choices at the left; what the device hears, feels and where it is, right."""
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from processing.live.picture import STRIP_CHANNELS
 from processing.live.stream import LinkState, MotionStatus, SoundStatus
-from processing.survey import FloatArray
+from processing.survey import TiePoint
 from widgets.attitude_ball import AttitudeBall
 from widgets.device_form import DeviceForm
 from widgets.level_meter import LevelMeter
@@ -35,7 +36,7 @@ from widgets.recording_words import rate_text
 from widgets.state_badge import StateBadge
 
 if TYPE_CHECKING:
-    from processing.live.picture import LivePicture
+    from processing.live.picture import LivePicture, LivePolyline
 
 PRELAUNCH = "prelaunch"  # the name under which the check before the launch is added
 LEFT_WIDTH = 430
@@ -72,7 +73,8 @@ class RecordingPage(QWidget):
         self._names: list[str] = []
         self._sound_form: tuple[int, int] | None = None
         self._strip_columns = 0
-        self._way: FloatArray | None = None
+        self._path: LivePolyline | None = None
+        self._marks: Sequence[TiePoint] = ()
         self._lay_out()
 
     # --- building ---
@@ -82,11 +84,8 @@ class RecordingPage(QWidget):
         row.setSpacing(8)
         row.addWidget(self._left())
         row.addWidget(self._right(), 1)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(6, 6, 6, 6)
-        column.setSpacing(4)
-        column.addWidget(self.messages.banner)
-        column.addLayout(row, 1)
+        row.setContentsMargins(6, 6, 6, 6)
+        self.setLayout(row)
 
     def _left(self) -> QWidget:
         left = QWidget()
@@ -163,6 +162,7 @@ class RecordingPage(QWidget):
         column = QVBoxLayout(right)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(4)
+        column.addWidget(self.messages.banner)  # not above all: the button must not move away under the hand
         column.addLayout(head)
         column.addWidget(self.spectrogram, 4)
         column.addWidget(self.strips, 3)
@@ -197,22 +197,24 @@ class RecordingPage(QWidget):
     def show_links(self, sound: SoundStatus, motion: MotionStatus) -> None:
         """Say how the devices are."""
         self.meter.set_status(sound)
-        detail = [sound.device]
+        detail = []
         if sound.sample_rate_hz:
             detail.append(rate_text(sound.sample_rate_hz) + (f" × {sound.channels}" if sound.channels > 1 else ""))
+        detail.append(sound.device)
         silent = sound.state is LinkState.LIVE and sound.is_digital_silence
         state = LinkState.SILENT if silent else sound.state
         self.sound_badge.set_state(state, " · ".join(part for part in detail if part))
-        detail = [motion.device, motion.protocol]
+        detail = [motion.protocol, motion.device]
         if motion.rate_hz:
-            detail.append(f"{number_text(motion.rate_hz, 0, self.locale())} Hz")
+            detail.insert(0, f"{number_text(motion.rate_hz, 0, self.locale())} Hz")
         self.imu_badge.set_state(motion.state, " · ".join(part for part in detail if part))
-        self.spectrogram.set_hint("" if state is LinkState.LIVE else self.sound_badge.text.partition(" · ")[0])
-        self.strips.set_hint("" if motion.state is LinkState.LIVE else self.imu_badge.text.partition(" · ")[0])
+        good = (LinkState.LIVE, LinkState.ENDED)
+        self.spectrogram.set_hint("" if state in good else self.sound_badge.text.partition(" · ")[0])
+        self.strips.set_hint("" if motion.state in good else self.imu_badge.text.partition(" · ")[0])
 
     def forget_views(self) -> None:
         """Begin the live views anew with the next picture."""
-        self._sound_form, self._strip_columns, self._way = None, 0, None
+        self._sound_form, self._strip_columns, self._path, self._marks = None, 0, None, ()
 
     def show_picture(self, picture: "LivePicture") -> None:
         """Draw what is new."""
@@ -229,12 +231,29 @@ class RecordingPage(QWidget):
                 self.strips.set_columns(strips.capacity)
             self.strips.add_columns(strips.first, strips.low, strips.high)
         if picture.path is not None:
-            self._way = picture.path.position_w_m[:, :2]
+            self._path = picture.path
         if pose is None:
             self.ball.set_attitude(None)
             self.path.set_place(LivePlace())
             return
         self.ball.set_attitude(np.array(pose.q_ws))
         here = np.array([pose.position_w_m[:2]])
-        way = here if self._way is None else np.concatenate([self._way, here])
-        self.path.set_place(LivePlace(way, pose.chainage_m, pose.sigma_along_m, pose.speed_mps, pose.is_still))
+        way = here if self._path is None else np.concatenate([self._path.position_w_m[:, :2], here])
+        marks = self._placed_marks()
+        self.path.set_place(LivePlace(way, pose.chainage_m, pose.sigma_along_m, pose.speed_mps, pose.is_still, marks))
+
+    def set_marks(self, marks: Sequence[TiePoint]) -> None:
+        """Draw these on the path from the next picture on."""
+        self._marks = marks
+
+    def _placed_marks(self) -> list[tuple[str, float, float]]:
+        """Return name, east and north of the markers that the path has reached."""
+        path = self._path
+        if path is None or not len(path.time_s):
+            return []
+        placed = []
+        for mark in self._marks:
+            if mark.time_s <= path.time_s[-1]:
+                east, north = (float(np.interp(mark.time_s, path.time_s, path.position_w_m[:, k])) for k in (0, 1))
+                placed.append((mark.name, east, north))
+        return placed

@@ -15,7 +15,7 @@ from widgets.ring_image import Pixels, RingImage
 
 ROWS = 180  # of the picture, in octaves from the lowest to the highest frequency
 LOWEST_HZ = 60.0
-SPAN_STEPS = 120  # tile steps from the quietest colour to the loudest: 60 dB
+SPAN_STEPS = 90  # tile steps from the quietest colour to the loudest: 45 dB
 _UNDER_STEPS = 8  # the quietest colour lies so much below the usual ground
 _SETTLE = (5, 20, 60, 200)  # after so many columns the colours are fitted to what was heard; then they stay
 _TICKS_HZ = (100.0, 300.0, 1000.0, 3000.0, 10_000.0, 30_000.0)
@@ -156,7 +156,9 @@ class LiveSpectrogram(PaintedWidget):
             text = hertz_text(hertz, self.locale()) + "Hz"
             painter.drawText(box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text)
         below = QRectF(rect.left(), rect.bottom() + 2, rect.width(), 1.2 * metrics.height())
-        painter.drawText(below, Qt.AlignmentFlag.AlignLeft, self.tr("{seconds} s ago").format(seconds=round(self._span_s)))
+        painter.drawText(
+            below, Qt.AlignmentFlag.AlignLeft, self.tr("{seconds} s ago").format(seconds=round(self._span_s))
+        )
         painter.drawText(below, Qt.AlignmentFlag.AlignRight, self.tr("now"))
 
 

@@ -59,13 +59,19 @@ class _Strip:
             self.draw_all(colours)
         else:
             self.ring.take_back(over)
-            self.ring.append(self._pixels(low, high, colours))
+            self.ring.append(self._pixels(len(low), colours))
 
     def draw_all(self, colours: "_Colours") -> None:
-        self.ring.append(self._pixels(self.low, self.high, colours))
+        self.ring.append(self._pixels(len(self.low), colours))
 
-    def _pixels(self, low: Values, high: Values, colours: "_Colours") -> Pixels:
-        """Return pictures of columns (k, curves): each curve covers the rows from its least to its greatest value."""
+    def _pixels(self, count: int, colours: "_Colours") -> Pixels:
+        """Return the newest columns: each curve covers the rows from its least to its greatest value, and what lies
+        between it and the column before.
+        """
+        low, high = self.low[-count:], self.high[-count:]
+        low_before, high_before = (np.concatenate([part[:1], part])[-count - 1 : -1] for part in (self.low, self.high))
+        low, high = np.fmin(low, high_before), np.fmax(high, low_before)
+        low[np.isnan(self.low[-count:])] = np.nan
         pixels = np.full((_ROWS, len(low)), colours.ground, dtype=np.uint32)
         pixels[_ROWS // 2] = colours.grid
         row = np.arange(_ROWS)[:, None]

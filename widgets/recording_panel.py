@@ -89,20 +89,21 @@ class RecordingPanel(QWidget):
         self._state = (state, armed, ready)
         recording = state is RecordingState.RECORDING
         texts = {
-            RecordingState.RECORDING: self.tr("■  Stop (press twice)"),
-            RecordingState.STOPPING: self.tr("Closing the files …"),
+            RecordingState.RECORDING: self.tr("■  Stop\n(press twice)"),
+            RecordingState.STOPPING: self.tr("Closing\nthe files …"),
         }
         text = texts[state] if state in texts else self.tr("●  Record")
         if recording and armed:
-            text = self.tr("■  Press again to stop")
+            text = self.tr("■  Once more\nto stop")
         self.button.setText(text)
         self.button.setEnabled(recording or (ready and state is not RecordingState.STOPPING))
-        self.button.setAccessibleName(text)
+        self.button.setAccessibleName(text.replace("\n", " "))
         self.button.setToolTip(self.tr("F5; to stop, press twice within three seconds"))
         ground, letters = self._theme.cursor, self._theme.canvas
         if recording and armed:
             ground, letters = self._theme.text, self._theme.canvas
-        style = "font-size: 20pt; font-weight: bold; border-radius: 10px; "
+        size = 16 if "\n" in text else 20
+        style = f"font-size: {size}pt; font-weight: bold; border-radius: 10px; "
         if self.button.isEnabled() and not recording:
             style += f"color: {self._theme.cursor}; border: 4px solid {self._theme.cursor}; "
         elif recording:

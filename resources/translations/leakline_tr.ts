@@ -2435,39 +2435,39 @@
     <name>PrelaunchPanel</name>
     <message>
         <source>Break off</source>
-        <translation type="unfinished"></translation>
+        <translation>Vazgeç</translation>
     </message>
     <message>
         <source>Check before the launch</source>
-        <translation type="unfinished"></translation>
+        <translation>Gönderimden önce denetle</translation>
     </message>
     <message>
         <source>Expected speed (m/s)</source>
-        <translation type="unfinished"></translation>
+        <translation>Beklenen hız (m/s)</translation>
     </message>
     <message>
         <source>Heard {heard}, felt {felt}, both {both}.</source>
-        <translation type="unfinished"></translation>
+        <translation>Duyulan {heard}, hissedilen {felt}, ikisi de {both}.</translation>
     </message>
     <message>
         <source>Knock again before you stop: it settles the drift of the clocks</source>
-        <translation type="unfinished"></translation>
+        <translation>Durdurmadan önce yeniden vurun: saatlerin kayması böyle belirlenir</translation>
     </message>
     <message>
         <source>Knocks at the end</source>
-        <translation type="unfinished"></translation>
+        <translation>Sondaki vuruşlar</translation>
     </message>
     <message>
         <source>Range of the gyro</source>
-        <translation type="unfinished"></translation>
+        <translation>Jiroskop aralığı</translation>
     </message>
     <message>
         <source>Skip this step</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu adımı atla</translation>
     </message>
     <message>
         <source>unknown</source>
-        <translation type="unfinished"></translation>
+        <translation>bilinmiyor</translation>
     </message>
 </context>
 <context>
@@ -2808,10 +2808,6 @@
 <context>
     <name>RecordingControl</name>
     <message>
-        <source>Press once more to stop the recording</source>
-        <translation>Kaydı durdurmak için bir kez daha basın</translation>
-    </message>
-    <message>
         <source>Recorded {time} as {name}</source>
         <translation>{time} kaydedildi: {name}</translation>
     </message>
@@ -2821,6 +2817,10 @@
     <message>
         <source>A recording is running. Close again within six seconds to stop it and leave.</source>
         <translation>Kayıt sürüyor. Durdurup çıkmak için altı saniye içinde yeniden kapatın.</translation>
+    </message>
+    <message>
+        <source>Check</source>
+        <translation>Denetim</translation>
     </message>
     <message>
         <source>Where recordings are stored</source>
@@ -2941,8 +2941,10 @@ hidrant 3 = 240</translation>
 <context>
     <name>RecordingPanel</name>
     <message>
-        <source>Closing the files …</source>
-        <translation>Dosyalar kapatılıyor …</translation>
+        <source>Closing
+the files …</source>
+        <translation>Dosyalar
+kapatılıyor …</translation>
     </message>
     <message>
         <source>F5; to stop, press twice within three seconds</source>
@@ -2993,12 +2995,16 @@ hidrant 3 = 240</translation>
         <translation>ses kaybı: {count}</translation>
     </message>
     <message>
-        <source>■  Press again to stop</source>
-        <translation>■  Durdurmak için bir daha</translation>
+        <source>■  Once more
+to stop</source>
+        <translation>■  Durdurmak için
+bir daha</translation>
     </message>
     <message>
-        <source>■  Stop (press twice)</source>
-        <translation>■  Durdur (iki kez)</translation>
+        <source>■  Stop
+(press twice)</source>
+        <translation>■  Durdur
+(iki kez basın)</translation>
     </message>
     <message>
         <source>○ not recording</source>
