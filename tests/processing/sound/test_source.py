@@ -201,6 +201,23 @@ def test_several_parts_are_one_recording(tmp_path):
     assert error_of(paths) == ErrorCode.AUDIO_PARTS_DIFFER
 
 
+@pytest.mark.parametrize("left", [b"", b"RIFF\0\0", bytes(200_000)], ids=["empty", "torn header", "zeros"])
+def test_a_last_part_that_a_power_cut_left_without_sound_does_not_cost_the_others(tmp_path, left):
+    paths = [tmp_path / f"audio-00{i}.wav" for i in (1, 2, 3)]
+    soundfile.write(paths[0], noise(500), RATE)
+    soundfile.write(paths[1], noise(300), RATE)
+    paths[2].write_bytes(left)
+    source, findings = open_audio(paths)
+    assert source.frames == 800
+    assert codes_of(findings) == ["audio_part_hardly_begun", "audio_parts"]
+    assert error_of([paths[0], paths[2], paths[1]]) in (
+        ErrorCode.FILE_EMPTY,
+        ErrorCode.AUDIO_UNREADABLE,
+        ErrorCode.AUDIO_NEEDS_FORM,
+    )
+    error_of([paths[2]])
+
+
 def test_reading_beyond_the_end_is_short(tmp_path):
     path = tmp_path / "a.wav"
     path.write_bytes(wav_bytes(PCM))
