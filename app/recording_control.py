@@ -29,6 +29,7 @@ log = logging.getLogger(__name__)
 
 LOOK_MS = 100
 DEAF_S = 1.5  # after a start no press counts: a double click must not begin to stop it
+_ENDED = (RecordingState.FAILED, RecordingState.STOPPED)
 _BUSY = (RecordingState.RECORDING, RecordingState.STOPPING)
 
 
@@ -337,14 +338,9 @@ class RecordingControl(QObject):
             self._worker.set_sample_rate(status.sound.sample_rate_hz)
         self._telling.show(status, self.wish, done=self._folder is not None)
         self._show_button()
-        ended = before is not None and before.state is RecordingState.RECORDING
         self.looked.emit()
-        if (
-            ended
-            and status is not None
-            and status.state in (RecordingState.FAILED, RecordingState.STOPPED)
-            and not self._busy
-        ):
+        ran = before is not None and before.state is RecordingState.RECORDING
+        if ran and status is not None and status.state in _ENDED and not self._busy:
             self.stop()  # it ended by itself: bring the page to the same end
 
     def _show_button(self) -> None:

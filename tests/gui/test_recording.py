@@ -117,7 +117,7 @@ def test_one_press_records_and_two_presses_stop(bench):
     assert bench.control.recording
     bench.press()
     assert bench.recorder.current.state is RecordingState.RECORDING
-    assert "again" in bench.page.panel.button.text()
+    assert "Once more" in bench.page.panel.button.text()
     bench.press(after_s=1.0)
     assert bench.recorder.asked[-2:] == ["stop", "close"]
     assert not bench.control.recording
