@@ -33,10 +33,10 @@ class SerialSource:
         """Return the open port; raises LinkFault."""
         import serial
 
-        device, found = self._device()
         try:
+            device, found = self._device()
             port = serial.Serial(device, self._baud, timeout=WAIT_S, exclusive=True)
-        except (OSError, ValueError) as error:
+        except _terminal_faults() as error:
             raise _opening_fault(error) from error
         if found is not None and found.usb is not None:
             self._usb = found.usb
@@ -91,6 +91,15 @@ class OpenPort:
             log.info("closing %s: %s", self.device, error)
 
 
+def _terminal_faults() -> tuple[type[Exception], ...]:
+    """Return what opening may raise; pyserial lets some of the terminal's own errors through."""
+    if sys.platform == "win32":
+        return OSError, ValueError
+    import termios
+
+    return OSError, ValueError, termios.error
+
+
 def _quicken(port: "serial.Serial") -> None:
     """Ask the driver to hand on what comes at once, where it can be asked: not every driver can."""
     try:
@@ -102,8 +111,8 @@ def _quicken(port: "serial.Serial") -> None:
         log.debug("%s stays as it is: %s", port.port, error)
 
 
-def _opening_fault(error: OSError | ValueError) -> LinkFault:
-    if isinstance(error, ValueError):  # a rate that the port does not know
+def _opening_fault(error: Exception) -> LinkFault:
+    if not isinstance(error, OSError):  # a rate that the port does not know; a port that goes while it is opened
         return LinkFault(link_fault.FAILED, str(error))
     fault = fault_of(error)
     if fault.reason == link_fault.FAILED:  # Windows: the reason stands in the text only

@@ -369,6 +369,27 @@ def test_a_link_that_was_stopped_says_that_it_ended(hear):
     assert not any(thread.name == "imu link" and thread is heard.link._thread for thread in threading.enumerate())
 
 
+@on_terminals
+def test_a_port_that_goes_while_it_is_opened_is_tried_again(hear, terminals, monkeypatch):
+    import termios
+
+    import serial
+
+    terminal, opened = terminals(), serial.Serial
+    errors = [termios.error(5, "Input/output error"), OSError(5, "Input/output error"), ValueError("no such rate")]
+
+    def fail(*_, **__):
+        raise errors.pop(0) if len(errors) > 1 else errors[0]
+
+    monkeypatch.setattr(serial, "Serial", fail)
+    heard = hear(f"serial:{terminal.name}")
+    heard.wait_state(LinkState.WAITING, link_fault.FAILED)
+    wait_for(lambda: len(errors) == 1, "all of them")
+    monkeypatch.setattr(serial, "Serial", opened)
+    heard.wait_open()
+    assert heard.link.error is None
+
+
 @pytest.mark.parametrize(
     ("error", "reason"),
     [
