@@ -98,6 +98,7 @@ class MotionIntake:
         self._seen = DecoderCounts()
         self._untold_garbage = 0
         self._link_state, self._reason = LinkState.WAITING, ""
+        self._looked = LinkState.WAITING
         self._last_sample_s: float | None = None
         self._lost_since_s: float | None = None
         self._unknown_bytes = 0
@@ -159,9 +160,13 @@ class MotionIntake:
             return LinkState.WAITING
         return LinkState.LIVE if now - last <= SILENT_S else LinkState.SILENT
 
-    def silent_s(self, now: float) -> float:
-        """Return for how long no sample has come; 0 before the first."""
-        return 0.0 if self._last_sample_s is None else now - self._last_sample_s
+    def look(self, now: float) -> None:
+        """Notice that samples have ceased to come; to be called a few times a second, by one thread."""
+        before, self._looked = self._looked, self.state(now)
+        if self._looked is LinkState.SILENT and before is LinkState.LIVE:
+            since_s = now - (self._last_sample_s or now)
+            self._told.note("motion_silent", since_s=since_s)
+            self._told.tell("recorder_imu_silent", Severity.WARNING, since_s=since_s)
 
     def survey_s(self, host_s: float) -> float | None:
         """Return survey time at a moment of the host's clock, None before the recording's first sample."""
@@ -197,8 +202,6 @@ class MotionIntake:
         if state is LinkState.LOST and before in (LinkState.LIVE, LinkState.SILENT):
             self._lost_since_s = self._last_sample_s or now
             self._told.tell("recorder_imu_lost", Severity.WARNING, device=device)
-        if state is LinkState.SILENT:
-            self._told.tell("recorder_imu_silent", Severity.WARNING, since_s=self.silent_s(now))
         if state is LinkState.LIVE and before in (LinkState.LOST, LinkState.WAITING):
             self._queue.put((b"", now))  # in its place among the bytes: what was torn is forgotten
 

@@ -337,6 +337,8 @@ class Recorder:
         now, take = time.monotonic(), self._take
         if self._sound is not None:
             self._sound.look(now)
+        if self._motion is not None:
+            self._motion.look(now)
         if take is None or self._state is not RecordingState.RECORDING:
             return
         if take.writer.fault is not None:

@@ -181,8 +181,9 @@ def compare_sound(original, channels, rate_hz):
     walk = Walk(original / "audio-001.wav", channels)
     try:
         begun = walk.go()
-        print(f"sound: {walk.total} frames ({walk.total / rate_hz:.1f} s), {begun} before the player began, {walk.same} "
-              f"the same bit by bit, {len(walk.troubles)} places where not; gaps told: {len(gaps)}")  # fmt: skip
+        print(f"sound: {walk.total} frames ({walk.total / rate_hz:.1f} s), {begun} before the player began, "
+              f"{walk.same} the same bit by bit, {len(walk.troubles)} places where not; "
+              f"gaps told: {len(gaps)}")  # fmt: skip
         for frame, silent, missing in walk.troubles[:20]:
             if missing is None:
                 whom = "not found again: the sound was changed"
