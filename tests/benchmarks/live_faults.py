@@ -193,6 +193,8 @@ def compare_motion(original: Path, truth: Path, tolerance: float, outcome: Outco
 
 
 def _spread_ms(off_s: np.ndarray) -> tuple[float, float]:
+    if not len(off_s):
+        return float("nan"), float("nan")
     off_ms = 1e3 * (off_s - np.median(off_s))
     return float(off_ms.min()), float(off_ms.max())
 

@@ -55,7 +55,7 @@ class MicrophoneOut:
         self._size = 1 << int(np.ceil(np.log2(max(_PIPE_S * rate_hz * self._frame_bytes, 4 * _AT_ONCE_BYTES))))
         self._pipe = -1
         self._is_heard = False
-        self._flowed = 0  # bytes since the pipe was full
+        self._has_waiting = False  # something was written that may wait
         self._open()
 
     def _open(self) -> None:
@@ -68,21 +68,20 @@ class MicrophoneOut:
                 fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, self._size)
 
     def write(self, frames: SoundArray) -> int:
-        """Write frames; a pipe that stays full is not being recorded, and is emptied of what is old."""
+        """Write frames; while nobody takes them out only the newest wait, so that a recording begins with now."""
         if self._pipe < 0:
             return 0
+        if not self._is_heard:
+            self._is_heard = self._has_waiting and not self._waiting_bytes()
+            self._forget()
         data = np.ascontiguousarray(frames, "<f4").tobytes()
         step = _AT_ONCE_BYTES - _AT_ONCE_BYTES % self._frame_bytes
-        heard = 0
         for at in range(0, len(data), step):
-            piece = data[at : at + step]
-            if self._write(piece):
-                heard += len(piece) // self._frame_bytes
-            else:
-                heard = 0
-        return heard if self._is_heard else 0
+            self._write(data[at : at + step])
+        self._has_waiting = True
+        return len(frames) if self._is_heard else 0
 
-    def _write(self, piece: bytes) -> bool:
+    def _write(self, piece: bytes) -> None:
         until = time.monotonic() + (_PATIENCE_S if self._is_heard else 0.0)
         while True:
             try:
@@ -92,11 +91,14 @@ class MicrophoneOut:
                     time.sleep(_RETRY_S)
                     continue
                 self._forget()
-                self._is_heard, self._flowed = False, 0
-                return False
-            self._flowed += len(piece)
-            self._is_heard |= self._flowed > 2 * self._size  # more than it holds: somebody takes it out
-            return True
+                self._is_heard = False
+            return
+
+    def _waiting_bytes(self) -> int:
+        import fcntl
+        import termios
+
+        return int.from_bytes(fcntl.ioctl(self._pipe, termios.FIONREAD, b"\0" * 4), sys.byteorder)
 
     def _forget(self) -> None:
         with suppress(BlockingIOError):
@@ -120,7 +122,7 @@ class MicrophoneOut:
     def _close_pipe(self) -> None:
         if self._pipe >= 0:
             os.close(self._pipe)
-        self._pipe, self._is_heard, self._flowed = -1, False, 0
+        self._pipe, self._is_heard, self._has_waiting = -1, False, False
 
 
 class _Unplugged:
