@@ -31,6 +31,7 @@ SYNC_S = 1.0
 CLOCK_FIRST_S = 10.0  # by then the arrivals tell a millisecond
 CLOCK_EVERY_S = 600.0  # each is a line in the survey's log for ever
 HASHED_AT_ONCE = 32 << 20  # bytes a second: finished parts are read again beside the recording, not instead of it
+HASH_AT_END_S = 10.0  # an hour of two channels at 96 kHz takes two, but a minute if a stick has to read it
 _STREAMS_WAIT_S = 120.0
 _LEAST_MEASURED_S = 2.0
 
@@ -321,8 +322,10 @@ class Keeper:
         self._journal_file.sync()
 
     def _hash_all(self) -> None:
-        self._to_hash.append(self._journal_file)
-        while self._hashing is not None or self._to_hash:
+        """Count the sums that are not counted yet; on a slow stick the import does the rest, which reads it anyway."""
+        self._to_hash.appendleft(self._journal_file)
+        until = time.monotonic() + HASH_AT_END_S
+        while (self._hashing is not None or self._to_hash) and time.monotonic() < until:
             self._hash_some()
 
     def _close(self) -> None:
