@@ -17,13 +17,15 @@ where a header names it. Where the header was missed, the columns are, by their 
 other  from 8 on: the same seven, and what follows is not read
 ====== ==============================================================
 
+One more cell, last, that goes up by one from line to line is the counter; where a quaternion should stand and none is,
+only the seven are read.
+
 There is no checksum: what has another number of cells than the lines around it, or a cell that is no number, is
 passed over. Three lines that agree are waited for before a stream without a header is believed.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -50,6 +52,7 @@ _DEFAULTS: Mapping[int, tuple[int, ...]] = {
     14: (*_SEVEN, 7, 8, 9, 10, 11, 12, 13),
     16: (*_SEVEN, 7, 8, 9, 10, 11, 12, 13, 14, 15),
 }
+_QUAT_LENGTH = 0.1  # how far from 1
 _FEWEST_CELLS, _MOST_CELLS = 6, 64
 _AGREEING = 3  # lines before a table without a header is believed
 _OTHERS = 8  # lines in a row of another width before the old one is given up
@@ -75,6 +78,35 @@ def default_columns(width: int) -> Columns | None:
         return None
     slots = _DEFAULTS.get(width, _SEVEN)
     return Columns(width, tuple(range(len(slots))), slots)
+
+
+def columns_like(rows: FloatArray) -> Columns | None:
+    """Return what lines hold of which (n, width) were seen, and no header; None where nothing says so.
+
+    Device time must rise, a counter go up by one, and a quaternion have its length.
+    """
+    width = rows.shape[1]
+    is_counted = _goes_up(rows[:, -1], by=1.0)
+    if is_counted and width != len(_SEVEN):  # with seven cells, turning about z might count as well
+        shorter = default_columns(width - 1)
+        columns = shorter and Columns(width, (*shorter.cells, width - 1), (*shorter.slots, _COUNTER))
+    else:
+        columns = default_columns(width)
+    if columns is None or (columns.time_cell is not None and not _goes_up(rows[:, columns.time_cell])):
+        return None
+    if _QUAT.start in columns.slots:
+        first = columns.cells[columns.slots.index(_QUAT.start)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            lengths = np.sqrt(np.sum(rows[:, first : first + 4] ** 2, axis=1))
+        if not (np.abs(lengths - 1.0) < _QUAT_LENGTH).all():
+            return Columns(width, _SEVEN, _SEVEN)
+    return columns
+
+
+def _goes_up(values: FloatArray, by: float | None = None) -> bool:
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = np.diff(values)
+    return bool((steps > 0.0).all() if by is None else (steps == by).all())
 
 
 def header_columns(cells: list[bytes], *, is_torn: bool = False) -> Columns | None:
@@ -193,12 +225,11 @@ class TableLinesDecoder:
         if len(self._waiting) < _AGREEING:
             return
         known = self._columns if self._width == len(row) else None
-        columns = known or default_columns(len(row))
-        times = [r[columns.time_cell] for r, _ in self._waiting] if columns and columns.time_cell is not None else []
-        is_rising = all(later > earlier for earlier, later in pairwise(times))
-        if columns is None or (known is None and not is_rising):
+        columns = known or columns_like(np.array([r for r, _ in self._waiting]))
+        if columns is None:
             self._garbage += self._waiting.pop(0)[1]
             return
+        times = [r[columns.time_cell] for r, _ in self._waiting] if columns.time_cell is not None else []
         self._columns, self._is_settled = columns, True
         if self._torn is not None and self._fits(self._torn[0], times):
             self._waiting.insert(0, self._torn)

@@ -16,7 +16,14 @@ MAG, QUAT, REST = NAMES[7:10], NAMES[10:14], NAMES[14:]
 
 
 def value(name, number):
-    return 10.0 + 0.0025 * number if name == "time_s" else 100.0 * NAMES.index(name) + number if name in NAMES else 7e9
+    """Each column's own numbers; those of a quaternion of length 1 whatever the number."""
+    if name in QUAT:
+        return (0.5, -0.5, 0.5, -0.5)[QUAT.index(name)]
+    if name == "counter":
+        return number
+    return (
+        10.0 + 0.0025 * number if name == "time_s" else 100.0 * NAMES.index(name) + 2 * number if name in NAMES else 7e9
+    )
 
 
 def lines(names, count=10, first=0, end="\n", separator=","):
@@ -70,6 +77,19 @@ def test_where_the_header_was_missed_the_columns_are_those_of_the_contract_by_th
     found = decoder.feed(lines(names, 1)[-5:] + lines(names, first=1))
     assert_rows(found, names, first=1)
     assert decoder.has_time == (width != 6)
+
+
+@pytest.mark.parametrize("names", [SEVEN, SEVEN + MAG, SEVEN + QUAT, NAMES])
+def test_a_counter_at_the_end_is_seen_by_its_going_up_by_one(names):
+    decoder = TableLinesDecoder()
+    found = decoder.feed(b"\n" + lines([*names, "counter"], first=70))
+    assert_rows(found, names, first=70)
+    assert found.counter.tolist() == list(range(70, 80))
+
+
+def test_what_stands_in_a_quaternions_place_and_is_none_is_not_read():
+    names = [*SEVEN, *MAG, "something"]
+    assert_rows(TableLinesDecoder().feed(b"\n" + lines(names)), SEVEN)
 
 
 def test_columns_that_cannot_be_told_without_a_header_are_left_out():
@@ -152,6 +172,8 @@ def test_empty_cells_are_unknown_and_lines_without_a_time_are_none():
 
 
 def test_numbers_that_are_no_table_are_not_taken_for_one():
+    absurd = b"".join(b"%d,1e300,-1e300,inf,nan,1e300,1,1e300,1e200,1e300,1\n" % k for k in range(9))
+    assert np.isnan(TableLinesDecoder().feed(absurd).acc_s_mps2).all()
     falling = b"".join(b"%d,1,2,3,4,5,6\n" % (1000 - k) for k in range(50))
     decoder = TableLinesDecoder()
     assert not len(decoder.feed(falling))
