@@ -9,19 +9,21 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from types import FrameType
 
 from app.devices.audio_spec import parse_audio_spec
 from app.devices.imu_spec import parse_imu_spec
 from app.devices.recorder import Recorder
 from app.devices.recording_plan import RecordingPlan
+from app.keep_awake import keep_awake
 from app.recording_terminal import Terminal
 from processing import messages
 from processing.errors import Cancelled, ErrorCode, LeaklineError
 from processing.importing.survey_toml import apply_override, read_survey_toml
 from processing.live.stream import LinkState, RecordingState, RecordingStatus
 from processing.settings import Settings
-from processing.survey import Survey
+from processing.survey import AudioInfo, Survey
 
 _LOOK_EVERY_S = 0.1
 _STATUS_EVERY_S = 1.0
@@ -41,7 +43,7 @@ def record(words: argparse.Namespace) -> int:
         return 0
     plan = plan_of(words)
     # leaving the recorder brings a recording to its end, whatever went wrong out here
-    with _stopping() as stopper, Recorder(plan) as recorder:
+    with _stopping() as stopper, _awake(), Recorder(plan, is_shown=False) as recorder:
         recorder.open()
         _wait(recorder, plan, words.wait, stopper, terminal)
         folder = recorder.start()
@@ -64,6 +66,8 @@ def plan_of(words: argparse.Namespace) -> RecordingPlan:
     if words.out is None:
         raise LeaklineError(ErrorCode.KEY_MISSING, name="--out")
     survey = read_survey_toml(words.survey) if words.survey else Survey()
+    # moments and clocks that it tells are of another run
+    survey = replace(survey, tie_points=(), audio=AudioInfo(channel=survey.audio.channel))
     for word, key in _TOLD.items():
         if (value := getattr(words, word)) is not None:
             survey, _ = apply_override(survey, Settings(), f"{key}={value}")
@@ -107,6 +111,15 @@ def _stopping() -> Iterator[Stopper]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def _awake() -> Iterator[None]:
+    end = keep_awake()
+    try:
+        yield
+    finally:
+        end()
 
 
 def _wait(recorder: Recorder, plan: RecordingPlan, patience_s: float, stopper: Stopper, terminal: Terminal) -> None:

@@ -100,7 +100,7 @@ class Terminal:
         self.say("record_list_motion")
         ports = list_serial_ports()
         for port in ports:
-            self.say("record_list_port", spec=port, title="")
+            self.say("record_list_port", spec=port, title=port.title)
         if not ports:
             self.say("record_list_none")
 

@@ -16,9 +16,13 @@ _MOTION_BYTES = 120  # a sample, about
 
 
 class LiveFeed:
-    """Blocks in the order in which they came; any thread may add, any thread may take."""
+    """Blocks in the order in which they came; any thread may add, any thread may take.
 
-    def __init__(self, most_bytes: int = MOST_BYTES, most_blocks: int = MOST_BLOCKS) -> None:
+    One that is not ``is_open`` holds nothing: nobody will look.
+    """
+
+    def __init__(self, most_bytes: int = MOST_BYTES, most_blocks: int = MOST_BLOCKS, *, is_open: bool = True) -> None:
+        self.is_open = is_open
         self._most_bytes, self._most_blocks = most_bytes, most_blocks
         self._lock = threading.Lock()
         self._blocks: deque[tuple[Block, int]] = deque()
@@ -27,6 +31,8 @@ class LiveFeed:
 
     def add(self, block: Block) -> None:
         """Put a block at the end, at the cost of the oldest ones; a block larger than all room stays alone."""
+        if not self.is_open:
+            return
         size = _size(block)
         with self._lock:
             self._blocks.append((block, size))

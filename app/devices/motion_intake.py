@@ -261,7 +261,8 @@ class MotionIntake:
         if len(placed.frames):
             if self._sink is not None:
                 self._sink.write_motion(placed.frames)
-            self._feed.add(MotionBlock(self._timeline.to_samples(placed.frames), host_s))
+            if self._feed.is_open:
+                self._feed.add(MotionBlock(self._timeline.to_samples(placed.frames), host_s))
         self._count(placed)
 
     def _count(self, placed: Placed) -> None:

@@ -20,11 +20,11 @@ from app.devices.motion_intake import LinkMaker, MotionIntake
 from app.devices.recorder_events import Happenings
 from app.devices.recording_plan import RecordingPlan, dated, writer_target
 from app.devices.sound_intake import InputMaker, SoundIntake
-from app.devices.take import Mark, Take
+from app.devices.take import Take
 from processing.errors import ErrorCode, LeaklineError
 from processing.live.check_sheet import CheckSheet
 from processing.live.decoders import decoder_named
-from processing.live.sound_timeline import ClockGuess, sound_to_survey
+from processing.live.sound_timeline import ClockGuess
 from processing.live.stream import DiscStatus, MotionStatus, RecordingState, RecordingStatus, SoundStatus
 from processing.storage.journal import JournalEvent
 from processing.storage.recording_writer import RecordingWriter
@@ -33,11 +33,8 @@ from processing.survey import Severity, Survey, TiePoint
 log = logging.getLogger(__name__)
 
 LOOK_S = 0.2
-CLOCK_EVERY_S = 5.0
 SOUND_DRAIN_S = 1.0  # stopping waits this long for the sound of the last moment, which is on its way
-MARK_S = 2.0  # a marker is on the disc within this time, or the disc is in trouble and says so itself
 _STOP_S = 330.0  # a little longer than the writer takes at most
-PLAN_TOLD_AFTER_S = 5.0  # the rate of writing is known by then
 
 WriterMaker = Callable[..., RecordingWriter]
 
@@ -52,13 +49,23 @@ class Makers:
 
 
 class Recorder:
-    """All methods may be called from any thread; :meth:`close` ends everything and may be called at any time."""
+    """All methods may be called from any thread; :meth:`close` ends everything and may be called at any time.
 
-    def __init__(self, plan: RecordingPlan, makers: Makers | None = None, *, drain_s: float = SOUND_DRAIN_S) -> None:
+    With ``is_shown`` False nobody takes from :attr:`feed`, and nothing is put into it.
+    """
+
+    def __init__(
+        self,
+        plan: RecordingPlan,
+        makers: Makers | None = None,
+        *,
+        is_shown: bool = True,
+        drain_s: float = SOUND_DRAIN_S,
+    ) -> None:
         makers = makers or Makers()
         self._drain_s = drain_s
         self.plan = plan
-        self.feed = LiveFeed()
+        self.feed = LiveFeed(is_open=is_shown)
         self._make_writer = makers.writer
         self._told = Happenings(time.monotonic)
         self._sound = None if plan.sound is None else SoundIntake(plan.sound, makers.sound_input, self._told, self.feed)
@@ -152,11 +159,11 @@ class Recorder:
                 part_s=plan.part_s,
                 operator=plan.operator,
             )
-            take = Take(writer)
+            take = Take(writer, self._sound, self._motion, self._told, plan.planned_s)
             self._fault = None
             self._told.clear()
             self._told.attach(writer)
-            self._told.note("devices", sound=str(plan.sound or ""), motion=str(plan.motion or ""))
+            self._told.note("devices", **self._devices())
             self.feed.clear()
             if self._sound is not None:
                 self._sound.begin(writer)
@@ -183,13 +190,7 @@ class Recorder:
             LeaklineError: RECORDING_NOT_RUNNING.
         """
         now = time.monotonic() if host_s is None else host_s
-        with self._lock:
-            take = self._running()
-            point = TiePoint(name, round(self._survey_s(take, now), 3), chainage_m=chainage_m, **place)
-            take.writer.mark(point)
-            take.marks.append(Mark(point, point, now, self._is_on_motion(now)))
-        self._wait_stored(take)
-        return point
+        return self._running().mark(now, name, {"chainage_m": chainage_m, **place})
 
     def amend(self, old: TiePoint, new: TiePoint | None) -> None:
         """Put another tie point in the place of one that was marked, or take it back; on the disc when this returns.
@@ -197,30 +198,21 @@ class Recorder:
         Raises:
             LeaklineError: RECORDING_NOT_RUNNING.
         """
-        with self._lock:
-            take = self._running()
-            mark = next((mark for mark in take.marks if old in (mark.point, mark.told)), None)
-            if mark is None:
-                raise ValueError(f"no such marker: {old}")
-            take.writer.amend(mark.point, new)
-            at = take.marks.index(mark)
-            take.marks[at : at + 1] = [] if new is None else [Mark(new, new, mark.host_s, mark.is_on_motion)]
-        self._wait_stored(take)
+        self._running().amend(old, new)
 
     def unmark(self) -> TiePoint | None:
         """Take the last marker back and return it, None where there is none; raises RECORDING_NOT_RUNNING."""
-        with self._lock:
-            marks = self._running().marks
-            last = marks[-1].point if marks else None
-            if last is not None:
-                self.amend(last, None)
-            return last
+        take = self._running()
+        last = take.points[-1] if take.points else None
+        if last is not None:
+            take.amend(last, None)
+        return last
 
     @property
     def marks(self) -> tuple[TiePoint, ...]:
-        """The markers of the recording under way, in the order in which they were set."""
+        """The markers of the recording under way, or of the last one, in the order in which they were set."""
         take = self._take
-        return () if take is None else tuple(mark.point for mark in tuple(take.marks))
+        return () if take is None else take.points
 
     def stop(self) -> Path | None:
         """End the recording and return its folder; the devices run on. None where nothing was ever recorded.
@@ -252,8 +244,7 @@ class Recorder:
         if take is None:
             elapsed_s, survey_s, disc = 0.0, None, DiscStatus()
         else:
-            elapsed_s = (take.ended_s or now) - take.began_s
-            survey_s = self._survey_s(take, take.ended_s or now)
+            elapsed_s, survey_s = take.elapsed_s, take.survey_s(take.ended_s or now)
             disc, findings = take.writer.status(), (*take.writer.findings, *findings)
         return RecordingStatus(
             state=state,
@@ -263,18 +254,15 @@ class Recorder:
             sound=SoundStatus() if self._sound is None else self._sound.status(),
             motion=MotionStatus() if self._motion is None else self._motion.status(),
             disc=disc,
-            markers=0 if take is None else len(take.marks),
+            markers=0 if take is None else len(take.points),
             feed_dropped=self.feed.dropped,
             findings=findings,
         )
 
     def clock(self) -> ClockGuess | None:
         """Return how the recording's sound lies on survey time, as known by now; None where either is missing."""
-        sound, motion = self._sound, self._motion
-        if sound is None or motion is None:
-            return None
-        with sound.lock, motion.lock:
-            return None if sound.axis is None else sound_to_survey(sound.axis, motion.timeline)
+        take = self._take
+        return None if take is None else take.clock()
 
     # --- inside
 
@@ -284,20 +272,16 @@ class Recorder:
             raise LeaklineError(ErrorCode.RECORDING_NOT_RUNNING)
         return take
 
-    def _wait_stored(self, take: Take) -> None:
-        if not take.writer.wait_stored(MARK_S):
-            log.warning("the disc has not taken a marker within %.0f s", MARK_S)
-
-    def _is_on_motion(self, host_s: float) -> bool:
-        return self._motion is not None and self._motion.survey_s(host_s) is not None
-
-    def _survey_s(self, take: Take, host_s: float) -> float:
-        """Return survey time, on the axis that there is: motion, else sound, else this computer's."""
-        motion = None if self._motion is None else self._motion.survey_s(host_s)
+    def _devices(self) -> dict[str, dict[str, str]]:
+        sound, motion = self._sound, self._motion
+        told: dict[str, dict[str, str]] = {}
+        if sound is not None:
+            status = sound.status()
+            told["sound"] = {"asked": str(sound.choice), "device": status.device, "source": status.source}
         if motion is not None:
-            return motion
-        sound = None if self._sound is None else self._sound.audio_s(host_s)
-        return host_s - take.began_s if sound is None else sound
+            felt = motion.status()
+            told["motion"] = {"asked": str(motion.choice), "device": felt.device, "protocol": felt.protocol}
+        return told
 
     def _finish(self, take: Take) -> None:
         """Bring a recording to its end: in the thread that asked, once."""
@@ -307,8 +291,8 @@ class Recorder:
                 self._sound.end(take.ended_s, self._drain_s)
             if self._motion is not None:
                 self._motion.end()
-            self._settle(take)
-            self._told.note("counts", **self._counts())
+            take.settle()
+            self._told.note("counts", **take.counts())
             self._told.attach(None)
             take.writer.close()
         finally:
@@ -344,43 +328,4 @@ class Recorder:
         if take.writer.fault is not None:
             self.stop()
             return
-        if now >= take.clock_due_s:
-            take.clock_due_s = now + CLOCK_EVERY_S
-            self._settle(take)
-        self._look_at_plan(take, now)
-
-    def _settle(self, take: Take) -> None:
-        """Keep what is known by now about the clocks, and with it the times of markers set before there was motion."""
-        guess = self.clock()
-        if guess is not None:
-            take.writer.set_clock(guess)
-        if self._motion is None:
-            return
-        with self._lock:
-            for at, mark in enumerate(take.marks):
-                survey_s = self._motion.survey_s(mark.host_s)
-                if mark.is_on_motion or survey_s is None:
-                    continue
-                point = replace(mark.point, time_s=round(survey_s, 3))
-                take.writer.amend(mark.point, point)
-                take.marks[at] = replace(mark, point=point, is_on_motion=True)
-
-    def _look_at_plan(self, take: Take, now: float) -> None:
-        left_s, planned_s = take.writer.status().seconds_left, self.plan.planned_s
-        if take.is_plan_told or not planned_s or left_s is None or now - take.began_s < PLAN_TOLD_AFTER_S:
-            return
-        take.is_plan_told = True
-        if left_s < planned_s - (now - take.began_s):
-            self._told.tell("recorder_disc_plan", Severity.WARNING, minutes=left_s / 60.0, planned=planned_s / 60.0)
-
-    def _counts(self) -> dict[str, Any]:
-        """Return what the journal keeps at the end: how much came, and how much did not."""
-        counts: dict[str, Any] = {}
-        if self._sound is not None:
-            sound = self._sound.status()
-            counts["sound"] = {"frames": sound.frames, "lost": sound.lost_frames, "gaps": sound.gaps}
-        if self._motion is not None:
-            motion = self._motion.status()
-            names = ("samples", "lost", "repeated", "garbage_bytes", "bad_sums", "gaps", "restarts", "clock_ppm")
-            counts["motion"] = {name: getattr(motion, name) for name in names}
-        return counts
+        take.look(now)

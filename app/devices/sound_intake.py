@@ -96,6 +96,7 @@ class SoundIntake:
         self._silent_since_s: float | None = None
         self._clip_told_s = -CLIP_EVERY_S
         self._is_silence_told = self._is_clock_told = False
+        self._resampled_told_hz = 0.0
 
     # --- from any thread
 
@@ -128,6 +129,7 @@ class SoundIntake:
             self._now = None
             self._frames = self._lost = self._gaps = self._written = 0
             self._is_silence_told = self._is_clock_told = False
+            self._resampled_told_hz = 0.0
             self._final = None
 
     def end(self, until_host_s: float = 0.0, patience_s: float = 0.0) -> None:
@@ -193,6 +195,11 @@ class SoundIntake:
             return
         self._look_at_levels(status, now)
         self._look_at_rate(status)
+        if status.source_rate_hz and status.source_rate_hz != status.sample_rate_hz != self._resampled_told_hz:
+            self._resampled_told_hz = status.sample_rate_hz
+            self._told.note("sound_resampled", source=status.source, source_rate_hz=status.source_rate_hz)
+            told = {"rate_hz": status.sample_rate_hz, "source_hz": status.source_rate_hz}
+            self._told.tell("recorder_sound_resampled", Severity.WARNING, **told)
 
     def _look_at_levels(self, status: SoundStatus, now: float) -> None:
         if any(status.clipped) and now - self._clip_told_s >= CLIP_EVERY_S:

@@ -62,3 +62,10 @@ def test_what_is_taken_or_cleared_makes_room_and_is_not_counted():
     feed.clear()
     assert feed.take() == ()
     assert feed.dropped == 0
+
+
+def test_a_feed_that_nobody_looks_at_holds_nothing():
+    feed = LiveFeed(is_open=False)
+    feed.add(sound(0))
+    assert feed.take() == ()
+    assert feed.dropped == 0
