@@ -5,6 +5,7 @@ one line ``audio − survey = offset + drift · survey`` are counted, and a line
 give it and no other line comes near (acoustics §6). Else the map is assumed, with the doubt that this deserves.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,11 +13,13 @@ import numpy.typing as npt
 from scipy import special
 
 from processing.clock_fit import ClockFit, Line, PairKind, Pairs, doubt_of
+from processing.clock_measured import Measured, measured_in
 from processing.progress import Progress, silent
 from processing.settings import ClockSettings
+from processing.sound.gaps import outside
 from processing.sound.onsets import Events, audio_events, imu_events
 from processing.sound.scan import SoundScan
-from processing.survey import AudioInfo, ClockMap, Finding, FloatArray, ImuSamples, Severity
+from processing.survey import AudioGap, AudioInfo, ClockMap, Finding, FloatArray, ImuSamples, Severity
 
 _KNOCKS_LOOKED_AT = 12  # the strongest in a zone: more would let chance in
 _MIN_KNOCKS = 4
@@ -42,14 +45,22 @@ def align(
     told: AudioInfo,
     settings: ClockSettings,
     progress: Progress | None = None,
+    gaps: Sequence[AudioGap] = (),
 ) -> ClockFit:
     """Return the map from audio time to survey time, and what it rests on.
 
     Values in ``told`` win; one that is missing is estimated, and assumed 0 where nothing convincing is found. A start
-    that is told is still compared with what the sensors felt: a contradiction is a finding.
+    that is told is still compared with what the sensors felt: a contradiction is a finding. Values that were measured
+    while recording (with their sigmas) say where to look, within ±4 sigma: knocks and bumps there win over them.
+
+    The edges of ``gaps``, where the sound breaks off and begins again, are no knocks.
     """
     progress = progress or silent()
     progress.update(0.0, "clock_aligning")
+    measured = measured_in(told)
+    if measured is not None and (scan is None or len(imu.time_s) < 3):
+        return measured.fit(scan.duration_s if scan is not None else 0.0)
+    told = told if measured is None else replace(told, start_time_s=None, drift_ppm=None)
     given = told.start_time_s is not None and told.drift_ppm is not None
     if scan is None or len(imu.time_s) < 3:
         return _given(told) if given else _assumed(told, 0.0, settings)
@@ -58,16 +69,17 @@ def align(
     felt = Events(felt.time_s - settings.imu_delay_periods * period_s - settings.contact_s, felt.strength)
     progress.update(0.4)
     heard = audio_events(scan)
+    heard = heard.only(outside(heard.time_s, gaps)) if gaps else heard
     progress.update(0.6)
 
-    def related(told: AudioInfo) -> ClockFit:
-        search = _Search(felt, heard, _EVENT_JITTER_S + 0.6 * period_s, told, settings, scan.duration_s)
+    def related(told: AudioInfo, measured: Measured | None = None) -> ClockFit:
+        search = _Search(felt, heard, _EVENT_JITTER_S + 0.6 * period_s, told, settings, scan.duration_s, measured)
         start, end = search.knocks()
         return _chosen(start, end, search.bumps(start or end), search, period_s)
 
-    found = _given(told) if given else related(told)
+    found = _given(told) if given else related(told, measured)
     progress.update(0.8)
-    if told.start_time_s is not None:
+    if told.start_time_s is not None or found.clock.basis == "measured":
         free = related(AudioInfo())
         found = replace(
             found,
@@ -83,31 +95,46 @@ class _Search:
     """The events of both sensors and what is known beforehand."""
 
     def __init__(
-        self, felt: Events, heard: Events, tolerance_s: float, told: AudioInfo, settings: ClockSettings, audio_s: float
+        self,
+        felt: Events,
+        heard: Events,
+        tolerance_s: float,
+        told: AudioInfo,
+        settings: ClockSettings,
+        audio_s: float,
+        measured: Measured | None = None,
     ) -> None:
         self.felt, self.heard, self.tolerance_s = felt, heard, tolerance_s
-        self.told, self.settings, self.audio_s = told, settings, audio_s
-        self.begin_s = told.start_time_s or 0.0
+        self.told, self.settings, self.audio_s, self.measured = told, settings, audio_s, measured
+        self.begin_s = measured.start_s if measured is not None else told.start_time_s or 0.0
         self.middle_s = self.begin_s + audio_s / 2
 
     @property
     def expected_drift(self) -> float:
         """The drift to look around."""
+        if self.measured is not None:
+            return self.measured.drift
         return (self.told.drift_ppm or 0.0) * 1e-6
 
     @property
     def prior(self) -> tuple[float, float]:
         """The drift to be expected and its sigma."""
+        if self.measured is not None:
+            return self.measured.drift, self.measured.drift_sigma
         return self.expected_drift, self.settings.assumed_drift_sigma_ppm * 1e-6
 
     @property
     def drift_range(self) -> float:
         """How far around it."""
+        if self.measured is not None:
+            return self.measured.drift_room
         return 0.0 if self.told.drift_ppm is not None else self.settings.max_drift_ppm * 1e-6
 
     def shift_at(self, survey_s: float) -> tuple[float, float]:
         """Return audio − survey to be expected then, and how far around it to look."""
         expected = -self.begin_s + self.expected_drift * (survey_s - self.begin_s)
+        if self.measured is not None:
+            return expected, self.measured.room_s(survey_s)
         room = 0.1 if self.told.start_time_s is not None else self.settings.search_s
         return expected, room + self.drift_range * max(0.0, survey_s - self.begin_s)
 
@@ -282,15 +309,16 @@ def _chosen(start: Line | None, end: Line | None, bumps: Line | None, search: _S
     elif (start or end) is not None and bumps is None:
         line, basis = start or end, "knocks"
     if line is None:
-        return _assumed(told, search.audio_s, settings)
+        known = search.measured
+        return known.fit(search.audio_s) if known is not None else _assumed(told, search.audio_s, settings)
     has_drift = told.drift_ppm is not None or line is bumps or (start is not None and end is not None)
     measured = line.drift if told.drift_ppm is None else told.drift_ppm * 1e-6
-    drift = measured if has_drift else 0.0
+    drift = measured if has_drift else search.expected_drift
     # audio = survey + offset + drift·(survey − middle) = (1 + drift)·(survey − start)
     start_s = (drift * line.middle_s - line.offset_s) / (1.0 + drift)
     if told.start_time_s is not None:
         start_s = told.start_time_s
-    prior = settings.assumed_drift_sigma_ppm * 1e-6
+    prior = search.prior[1]
     delay_s = float(np.hypot(_DELAY_PERIODS * period_s, _CONTACT_S))
     doubt = doubt_of(line, delay_s, prior, _LEAST_SCATTER_S)
     drift_sigma = doubt.drift_sigma if has_drift else prior
@@ -298,7 +326,7 @@ def _chosen(start: Line | None, end: Line | None, bumps: Line | None, search: _S
     doubt = replace(doubt, drift_sigma=drift_sigma)
     sigma_s = doubt.at(search.middle_s)
     params: dict[str, str | float] = {"pairs": line.count, "drift_ppm": drift * 1e6, "sigma_ms": 1000 * sigma_s}
-    if has_drift:
+    if has_drift or search.measured is not None:
         findings = [Finding(f"clock_{basis}", Severity.INFO, params)]
     else:
         findings = [Finding("clock_no_drift", Severity.WARNING, params)]
@@ -335,7 +363,8 @@ def _contradiction(told: ClockMap, found: ClockMap) -> tuple[Finding, ...]:
     if found.basis == "assumed" or off_s < max(_CONTRADICTION_S, 5 * sigma_s):
         return ()
     params = {"off_s": off_s, "told_s": told.start_s, "found_s": found.start_s, "found_ppm": found.drift_ppm}
-    return (Finding("clock_told_contradicted", Severity.WARNING, params),)
+    code = "clock_measured_contradicted" if told.basis == "measured" else "clock_told_contradicted"
+    return (Finding(code, Severity.WARNING, params),)
 
 
 def _assumed(told: AudioInfo, audio_s: float, settings: ClockSettings) -> ClockFit:

@@ -29,12 +29,14 @@ from processing.results import Results
 from processing.settings import ClockSettings, ImportSettings, Settings, digest
 from processing.sound.candidates import Heard, find_candidates
 from processing.sound.coarse import GrowingPass
+from processing.sound.gaps import gap_stretches, told_once
 from processing.sound.scan import SoundScan, scan
 from processing.storage.cache import Cache, cached
 from processing.storage.cache_facts import load_facts, loader, save_facts
 from processing.storage.unfinished import with_sums
 from processing.survey import (
     Attitude,
+    AudioGap,
     AudioInfo,
     AudioSource,
     Channel,
@@ -53,13 +55,13 @@ T = TypeVar("T")
 
 # raised when a step's result changes for the same input, so that old caches are not believed
 VERSIONS = {
-    "recording": 3,
+    "recording": 4,
     "attitude": 7,
     "odometry": 5,
     "evidence": 2,
     "track": 8,
     "scan": 3,
-    "clock": 3,
+    "clock": 4,
     "candidates": 9,
 }
 
@@ -148,6 +150,8 @@ def process(
     oriented, track = (path.oriented, path.fitted.track) if path is not None else (None, None)
     known_bad = (*recording.not_assessed, *(track.not_assessed if track is not None else ()))
     sound = _sound(survey, imu, audio, settings, steps, files) if audio is not None else None
+    gaps = gap_stretches(sound.source, sound.clock) if sound is not None else ()
+    known_bad += gaps
     heard = _candidates(survey, imu, track, sound, known_bad, settings, steps) if sound is not None else Heard((), None)
     findings = [*recording.findings]
     findings += oriented.findings if oriented is not None else ()
@@ -158,7 +162,7 @@ def process(
         *_never_heard(track, audio),
         *_never_placed(track, sound),
         *heard.not_assessed,
-        *(sound.scan.stretches(sound.clock) if sound is not None else ()),
+        *(told_once(sound.scan.stretches(sound.clock), gaps) if sound is not None else ()),
     }
     return Results(
         survey=survey,
@@ -346,20 +350,25 @@ def _sound(
     steps.growing.finished(listened)
     fitted = steps.cached(
         "clock",
-        digest(key, files, survey.audio, settings.clock),
-        lambda: _clock(imu, listened, survey.audio, settings.clock, steps.progress.part(0.85, 0.9)),
+        digest(key, files, survey.audio, settings.clock, audio.gaps),
+        lambda: _clock(imu, listened, survey.audio, settings.clock, steps.progress.part(0.85, 0.9), audio.gaps),
         ClockFit,
     )
     return _Sound(audio, listened, fitted, key)
 
 
 def _clock(
-    imu: ImuSamples | None, listened: SoundScan, told: AudioInfo, settings: ClockSettings, progress: Progress
+    imu: ImuSamples | None,
+    listened: SoundScan,
+    told: AudioInfo,
+    settings: ClockSettings,
+    progress: Progress,
+    gaps: tuple[AudioGap, ...],
 ) -> ClockFit:
     """Return the clock; without motion there is nothing to align with, and the sound's own clock serves."""
     if imu is None:
         return ClockFit(ClockMap(told.start_time_s or 0.0, told.drift_ppm or 0.0, 0.0, "given"))
-    return align(imu, listened, told, settings, progress)
+    return align(imu, listened, told, settings, progress, gaps)
 
 
 def _candidates(

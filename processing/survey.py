@@ -66,7 +66,11 @@ class DeviceInfo:
 
 @dataclass(frozen=True)
 class AudioInfo:
-    """Which sound, and how its clock relates to the IMU's; None means: estimate it, else 0."""
+    """Which sound, and how its clock relates to the IMU's; None means: estimate it, else 0.
+
+    With ``start_sigma_s`` and ``drift_sigma_ppm`` (1 sigma) the start and the drift were measured while recording: what
+    both sensors felt makes them better. Without, they are taken as they are.
+    """
 
     file: str | None = None
     channel: int = 0
@@ -77,6 +81,8 @@ class AudioInfo:
     raw_channels: int | None = None
     raw_encoding: str | None = None  # signed | unsigned | float | ulaw | alaw; None: signed
     raw_endian: str | None = None  # little | big; None: little
+    start_sigma_s: float | None = None
+    drift_sigma_ppm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -245,6 +251,15 @@ class AudioPart:
 
 
 @dataclass(frozen=True)
+class AudioGap:
+    """A span on the audio clock in which nothing was heard, though the file has zeros; ``reason``: key of [reasons]."""
+
+    start_s: float
+    end_s: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class AudioSource:
     """One recording on the audio clock, in one or more parts that follow each other without a gap."""
 
@@ -252,6 +267,7 @@ class AudioSource:
     sample_rate_hz: float
     channels: int
     channel: int = 0
+    gaps: tuple[AudioGap, ...] = ()
 
     @property
     def frames(self) -> int:
@@ -275,7 +291,7 @@ class ClockMap:
     start_s: float = 0.0
     drift_ppm: float = 0.0
     sigma_s: float = 0.0
-    basis: str = "assumed"  # given | knocks | bumps | assumed
+    basis: str = "assumed"  # given | knocks | bumps | measured | assumed
     drift_sigma_ppm: float = 0.0
     settled_s: float = 0.0
     settled_sigma_s: float | None = None  # None: as sigma_s, everywhere
@@ -297,7 +313,7 @@ class ClockMap:
 
 @dataclass(frozen=True)
 class ImportedFile:
-    """A file that was read: ``role`` is ``imu``, ``audio`` or ``survey``."""
+    """A file that was read: ``role`` is ``imu``, ``audio``, ``survey`` or ``journal`` (of a live recording)."""
 
     path: Path
     role: str

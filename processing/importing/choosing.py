@@ -116,6 +116,8 @@ def choose_imu(folder: Path, files: tuple[Path, ...]) -> tuple[Path | None, tupl
     ranked = [(matches[0].confidence, f) for f in logs if (matches := matches_of(f))]
     if not ranked:
         return _unknown_log(files), ()
+    # parts of one recording are one log: its first
+    ranked = [(confidence, f) for confidence, f in ranked if frame_log.first_of(f, logs) == f]
     # the surest; among equals the one nearest to the top, then the largest
     best = max(ranked, key=lambda r: (r[0], r[1].parent == folder, r[1].stat().st_size))
     others = [f.name for c, f in ranked if f != best[1] and c >= 0.5 * best[0]]

@@ -8,6 +8,7 @@ from processing.errors import ErrorCode, LeaklineError, Place
 from processing.importing.check_sheets import check_sheets
 from processing.importing.choosing import files_of, folder_of, imu_of, read_imu, read_survey, survey_of
 from processing.importing.doctor import Examined, examine
+from processing.importing.live_journal import Journal, journal_in, with_gaps, with_restarts
 from processing.importing.options import ImportOptions
 from processing.importing.preview import FilePreview, FolderPreview, preview_folder
 from processing.importing.raw import ReadContext
@@ -59,6 +60,8 @@ def import_folder(
         raise LeaklineError(ErrorCode.NOT_A_SURVEY, Place(path))
     audio, more = _open_sound(sounds, options, survey)
     findings += more
+    journal, more = journal_in(folder)
+    findings += more
     examined, used = None, []
     if imu_file is None:
         findings.append(Finding("imu_missing", Severity.WARNING))
@@ -70,10 +73,24 @@ def import_folder(
         findings += examined.findings
     if examined is not None and audio is not None:
         findings += compare_lengths(examined.imu, audio, settings)
+    if journal is not None:
+        findings += journal.findings(audio.sample_rate_hz if audio is not None else None)
+        examined, audio = _with_journal(examined, audio, journal)
     roles = [*((f, "imu") for f in used), *((f, "audio") for f in sounds if audio is not None)]
     roles += [(survey_file, "survey")] if survey_file is not None else []
+    roles += [(journal.path, "journal")] if journal is not None else []
     imported = _hashed(roles, progress.part(0.75, 1.0), known)
     return replace(_recording(examined, audio, findings, imported), sheets=check_sheets(folder))
+
+
+def _with_journal(
+    examined: Examined | None, audio: AudioSource | None, journal: Journal
+) -> tuple[Examined | None, AudioSource | None]:
+    """Return both with what the journal of a live recording knows of their gaps."""
+    if examined is not None:
+        spans = with_restarts(examined.not_assessed, journal, float(examined.imu.time_s[-1]))
+        examined = replace(examined, not_assessed=spans)
+    return examined, with_gaps(audio, journal) if audio is not None else None
 
 
 def _recording(

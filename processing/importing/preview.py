@@ -26,6 +26,7 @@ from processing.importing.sound_files import is_audio, pick_audio, raw_form_of
 from processing.importing.text_layout import TextLayout
 from processing.settings import ImportSettings
 from processing.sound.source import open_audio
+from processing.storage.journal import JOURNAL_NAME
 from processing.survey import AudioSource, Finding, Survey
 
 HEAD_BYTES = 1_000_000
@@ -34,7 +35,7 @@ SHOWN_ROWS = 20
 
 @dataclass(frozen=True)
 class FilePreview:
-    """What one file seems to be: ``role`` is ``imu``, ``audio``, ``survey``, ``other`` (not needed) or ``ignored``.
+    """What one file seems to be: ``role`` is that of an imported file, ``other`` (not needed) or ``ignored``.
 
     ``mapping`` says what each column is taken for; ``rows`` are the first ones as written. ``row_count`` and
     ``duration_s`` are estimates from the head and the size of the file.
@@ -86,7 +87,7 @@ class FolderPreview:
     @property
     def paths(self) -> tuple[Path, ...]:
         """The files that the import would use: all of the recording, nothing else."""
-        used = [f.path for f in self.files if f.role in ("survey", "imu", "audio")]
+        used = [f.path for f in self.files if f.role in ("survey", "imu", "audio", "journal")]
         used += [p for f in self.files if f.role == "imu" for p in f.beside]
         return tuple(dict.fromkeys(used))
 
@@ -139,6 +140,8 @@ def _preview(
     size = file.stat().st_size
     if file.name == SURVEY_FILE:
         return FilePreview(file, "survey", size)
+    if file.name == JOURNAL_NAME and (imu is not None or sounds):
+        return FilePreview(file, "journal", size)
     if file in sounds:
         return _preview_sound(file, size, survey, options)
     if file == imu:

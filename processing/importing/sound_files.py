@@ -42,7 +42,7 @@ def pick_audio(folder: Path, files: Sequence[Path], info: AudioInfo) -> tuple[tu
     if not sounds:
         return (), ()
     first = next((f for f in sounds if f.stem.casefold() == "audio"), sounds[0])
-    parts = _parts_from(first, sounds)
+    parts = parts_from(first, sounds)
     others = [f.name for f in sounds if f not in parts]
     if not others:
         return parts, ()
@@ -62,13 +62,13 @@ def _named(folder: Path, name: str) -> tuple[Path, ...]:
     return tuple(sorted((f for f in folder.glob(name) if f.is_file()), key=natural_key))
 
 
-def _parts_from(first: Path, sounds: Sequence[Path]) -> tuple[Path, ...]:
-    """The files that continue ``first``: the same name but for its last number, which goes up by one each time."""
+def parts_from(first: Path, others: Sequence[Path]) -> tuple[Path, ...]:
+    """Return the files that continue ``first``: the same name but for its last number, one more each time."""
     pieces = _NUMBER.split(first.stem)
     if len(pieces) < 3:
         return (first,)
     parts = [first]
-    by_name = {f.name.casefold(): f for f in sounds if f.parent == first.parent}
+    by_name = {f.name.casefold(): f for f in others if f.parent == first.parent}
     number, width = int(pieces[-2][:18]), len(pieces[-2])
     while True:
         number += 1

@@ -152,6 +152,8 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
         "channel": Integer(0, 255),
         "start_time_s": _ANY_TIME,
         "drift_ppm": Number(-10_000.0, 10_000.0, "ppm"),
+        "start_sigma_s": Number(0.0, 1e6, "s", above=True),
+        "drift_sigma_ppm": Number(0.0, 10_000.0, "ppm", above=True),
         "raw_sample_rate_hz": Number(100.0, 1e6, "Hz"),
         "raw_bits": Integer(8, 64),
         "raw_channels": Integer(1, 256),

@@ -248,5 +248,7 @@ def apply_override(survey: Survey, settings: Settings, override: str) -> tuple[S
     if key == "motion":
         new = Motion(new)
     part: Any = dataclasses.replace(getattr(survey, attribute), **{key: new})
+    if table == "audio" and key in ("start_time_s", "drift_ppm"):  # the operator's word is no measurement
+        part = dataclasses.replace(part, start_sigma_s=None, drift_sigma_ppm=None)
     changes: dict[str, Any] = {attribute: part}
     return replace(survey, **changes), settings

@@ -33,6 +33,10 @@ class Events:
         first, end = np.searchsorted(self.time_s, [start_s, end_s])
         return Events(self.time_s[first:end], self.strength[first:end])
 
+    def only(self, which: npt.NDArray[np.bool_]) -> "Events":
+        """Return those that are marked (n,)."""
+        return Events(self.time_s[which], self.strength[which])
+
     def strongest(self, count: int) -> "Events":
         """Return the ``count`` strongest, in order of time."""
         if len(self.time_s) <= count:
