@@ -29,6 +29,7 @@ LOST_S = 2.0
 RETRY_S = 1.0
 SOURCE_S = 5.0  # how often to look whether the sound server feeds us from another device; costs 5 ms
 _LOOK_S = 0.1
+_STALLED_S = 0.5  # a look is this late only where the whole program, or the computer, stood still
 
 
 class AudioInput:
@@ -176,11 +177,14 @@ class AudioInput:
 
     def _look_after(self, device: AudioDevice, callback: Callback) -> float:
         """Watch until the device is lost, or replaced, or we are to stop; return the pause before a retry."""
-        opened_s = time.monotonic()
-        look_s = opened_s  # when to look at the source next
+        since_s = looked_s = time.monotonic()
+        look_s = since_s  # when to look at the source next
         while not self._stop.is_set():
             now = time.monotonic()
-            quiet_s = now - (callback.last_s or opened_s)
+            if now - looked_s > _STALLED_S:  # we stood still, not the device: what it brought is about to come
+                since_s = now
+            looked_s = now
+            quiet_s = now - max(callback.last_s or since_s, since_s)
             if callback.finished.is_set() or quiet_s > LOST_S:
                 self._is(LinkState.LOST, LeaklineError(ErrorCode.SOUND_DEVICE_GONE, name=self._device))
                 return 0.0

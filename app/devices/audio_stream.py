@@ -1,5 +1,6 @@
 """One open sound input, and the queue into which its callback copies: nothing else happens on PortAudio's thread."""
 
+import math
 import queue
 import threading
 import time
@@ -25,7 +26,7 @@ class Chunk(NamedTuple):
     opening: int
     first: int
     host_s: float  # when the callback ran
-    age_s: float  # how long before that its first frame was digitised, as PortAudio says
+    age_s: float  # how long before that its first frame was digitised, as PortAudio says; NaN where it does not
     is_after_overflow: bool
 
 
@@ -90,7 +91,8 @@ class Callback:
         try:
             overflow = bool(status.input_overflow)
             self._handover.overflows += overflow
-            age = times.currentTime - times.inputBufferAdcTime
+            adc = times.inputBufferAdcTime
+            age = times.currentTime - adc if adc > 0.0 else math.nan
             if self.is_heard:
                 self._handover.offer(Chunk(bytes(data), frames, self._opening, first, now, age, overflow))
         except Exception:  # noqa: BLE001  # no memory left; an exception here would end the stream

@@ -190,6 +190,34 @@ def test_a_device_that_falls_silent_is_lost_after_a_while(begun, monkeypatch):
     wait_for(lambda: system.closed == 1 and len(system.opened) == 2, "the device to be opened again")
 
 
+def test_a_program_that_stood_still_itself_takes_no_device_for_lost(monkeypatch):
+    monkeypatch.setattr(audio_input, "LOST_S", 0.7)
+    monkeypatch.setattr(audio_input, "SOURCE_S", 0.0)
+    system, looks = Played(MICROPHONE), []
+
+    def source_of(device):
+        looks.append(time.monotonic())
+        time.sleep(1.0 if len(looks) == 3 else 0.0)  # the thread that watches stands still, as after a suspend
+
+    sound = AudioInput(
+        AudioChoice(MICROPHONE.name, RATE_HZ),
+        lambda came: None,
+        open_device=system.open,
+        devices=system.list,
+        source_of=source_of,
+    )
+    sound.start()
+    try:
+        wait_for(lambda: system.callback is not None, "the device to be opened")
+        system.play(block())
+        wait_for(lambda: len(looks) >= 4, "a look after the standstill")
+        assert sound.status().state is LinkState.LIVE
+        wait_for(lambda: len(system.opened) == 2, "the device, really silent now, to be opened again")
+        assert time.monotonic() - looks[3] > 0.5
+    finally:
+        assert sound.stop()
+
+
 def test_a_slow_taker_costs_what_is_beyond_the_queue_exactly_and_says_so(begun):
     system, blocks, may_go = Played(MICROPHONE), [], threading.Event()
 

@@ -142,9 +142,28 @@ def test_a_burst_after_a_stall_is_no_loss():
     assert not any(b.lost_before for b in placed(place, late + [card.chunk() for _ in range(20)]))
 
 
+@pytest.mark.parametrize("tells_ages", [True, False])
+@pytest.mark.parametrize("stood_s", [0.4, 15.0])
+def test_what_a_server_kept_while_we_stood_still_is_no_loss(tells_ages, stood_s):
+    card, place = Card(), Placing(RATE_HZ, 1)
+
+    def chunks(count):
+        made = [card.chunk(age_s=0.1) for _ in range(count)]
+        return made if tells_ages else [c._replace(age_s=float("nan")) for c in made]
+
+    blocks = placed(place, chunks(100))
+    kept = chunks(round(stood_s / 0.1))
+    end_s = kept[-1].host_s
+    kept = [c._replace(host_s=end_s + 1e-3 * n, age_s=c.age_s + end_s - c.host_s) for n, c in enumerate(kept)]
+    blocks += placed(place, kept + chunks(100))
+    assert not any(b.lost_before for b in blocks)
+    card.lose(24_000)
+    assert sum(b.lost_before for b in placed(place, chunks(20))) == pytest.approx(24_000, abs=200)
+
+
 def test_a_system_that_tells_no_ages_is_timed_by_when_its_blocks_came():
     card, place = Card(), Placing(RATE_HZ, 1)
-    chunks = [card.chunk(age_s=0.1)._replace(age_s=0.0) for _ in range(50)]
+    chunks = [card.chunk(age_s=0.1)._replace(age_s=float("nan")) for _ in range(50)]
     times = [b.adc_host_s - b.first_frame / RATE_HZ for b in placed(place, chunks)]
     np.testing.assert_allclose(times, 1_000.0, atol=6e-4)
 
