@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from processing.live.picture import STRIP_CHANNELS
 from processing.live.stream import LinkState, MotionStatus, SoundStatus
-from processing.survey import TiePoint
+from processing.survey import FloatArray, TiePoint
 from widgets.attitude_ball import AttitudeBall
 from widgets.device_form import DeviceForm
 from widgets.level_meter import LevelMeter
@@ -74,6 +74,7 @@ class RecordingPage(QWidget):
         self._sound_form: tuple[int, int] | None = None
         self._strip_columns = 0
         self._path: LivePolyline | None = None
+        self._way: FloatArray = np.zeros((0, 2))
         self._marks: Sequence[TiePoint] = ()
         self._lay_out()
 
@@ -208,6 +209,7 @@ class RecordingPage(QWidget):
         if motion.rate_hz:
             detail.insert(0, f"{number_text(motion.rate_hz, 0, self.locale())} Hz")
         self.imu_badge.set_state(motion.state, " · ".join(part for part in detail if part))
+        self.path.set_stale(stale=motion.state is not LinkState.LIVE)
         good = (LinkState.LIVE, LinkState.ENDED)
         self.spectrogram.set_hint("" if state in good else self.sound_badge.text.partition(" · ")[0])
         self.strips.set_hint("" if motion.state in good else self.imu_badge.text.partition(" · ")[0])
@@ -215,6 +217,7 @@ class RecordingPage(QWidget):
     def forget_views(self) -> None:
         """Begin the live views anew with the next picture."""
         self._sound_form, self._strip_columns, self._path, self._marks = None, 0, None, ()
+        self._way = np.zeros((0, 2))
 
     def show_picture(self, picture: "LivePicture") -> None:
         """Draw what is new."""
@@ -231,16 +234,17 @@ class RecordingPage(QWidget):
                 self.strips.set_columns(strips.capacity)
             self.strips.add_columns(strips.first, strips.low, strips.high)
         if picture.path is not None:
-            self._path = picture.path
+            self._path, self._way = picture.path, picture.path.position_w_m[:, :2]
         if pose is None:
             self.ball.set_attitude(None)
             self.path.set_place(LivePlace())
             return
         self.ball.set_attitude(np.array(pose.q_ws))
-        here = np.array([pose.position_w_m[:2]])
-        way = here if self._path is None else np.concatenate([self._path.position_w_m[:, :2], here])
+        here = pose.position_w_m[:2]
         marks = self._placed_marks()
-        self.path.set_place(LivePlace(way, pose.chainage_m, pose.sigma_along_m, pose.speed_mps, pose.is_still, marks))
+        self.path.set_place(
+            LivePlace(self._way, here, pose.chainage_m, pose.sigma_along_m, pose.speed_mps, pose.is_still, marks)
+        )
 
     def set_marks(self, marks: Sequence[TiePoint]) -> None:
         """Draw these on the path from the next picture on."""

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 Block = SoundBlock | MotionBlock
 
+SPAN_S = 36.0  # what the live views show: a column of 50 ms is a pixel of a small laptop, so that none is passed over
+
 
 @dataclass(frozen=True)
 class RecordingWish:
@@ -123,7 +125,7 @@ def make_view(survey: Survey) -> ViewLike:
     """Return the view of a run."""
     from processing.live.live_view import LiveView
 
-    return LiveView(survey)
+    return LiveView(survey, sound_span_s=SPAN_S, strip_span_s=SPAN_S)
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,17 @@
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QRadialGradient
+from PySide6.QtGui import QColor, QPainter, QPen, QPixmap, QPolygonF, QRadialGradient
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import FloatArray
 from widgets.painted_widget import PaintedWidget
 from widgets.plot_theme import LIGHT, Theme
 
-_AROUND = np.linspace(0.0, 2.0 * np.pi, 49)
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 37)
 _ELEVATION = np.radians(25.0)  # the eye looks this much down
 _AZIMUTH = np.radians(-60.0)
+_SAME = np.cos(0.5 * np.radians(0.4))  # attitudes closer than this look the same
 
 
 def rotation_matrix(q_ws: FloatArray) -> FloatArray:
@@ -42,6 +43,7 @@ class AttitudeBall(PaintedWidget):
         super().__init__(parent)
         self._theme = theme
         self._q_ws: FloatArray | None = None
+        self._ground: tuple[object, QPixmap] | None = None
         self.setAccessibleName(self.tr("Attitude of the device"))
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(110, 110)
@@ -52,8 +54,12 @@ class AttitudeBall(PaintedWidget):
 
     def set_attitude(self, q_ws: FloatArray | None) -> None:
         """Show this attitude (4,), sensor to world; None where none is known."""
-        self._q_ws = q_ws
-        self.update()
+        before, self._q_ws = self._q_ws, q_ws
+        same = before is not None and q_ws is not None and abs(float(before @ q_ws)) > _SAME
+        if not same:
+            self.update()
+        else:
+            self._q_ws = before  # so that a slow turn adds up
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""
@@ -66,12 +72,10 @@ class AttitudeBall(PaintedWidget):
         painter.setFont(theme.font())
         radius = 0.5 * min(self.width(), self.height()) - theme.metrics().height()
         centre = QPointF(0.5 * self.width(), 0.5 * self.height())
-        shade = QRadialGradient(centre + QPointF(-0.4 * radius, -0.5 * radius), 1.8 * radius)
-        shade.setColorAt(0.0, QColor(theme.canvas))
-        shade.setColorAt(1.0, QColor(theme.grid))
-        painter.setBrush(shade)
-        painter.setPen(QPen(QColor(theme.text), 1.5))
-        painter.drawEllipse(centre, radius, radius)
+        key = (self.size().width(), self.size().height(), self.devicePixelRatioF(), theme.name)
+        if self._ground is None or self._ground[0] != key:
+            self._ground = key, self._painted_ground(centre, radius)
+        painter.drawPixmap(QPointF(0.0, 0.0), self._ground[1])
         if self._q_ws is None:
             box = QRectF(self.rect())
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, "–")
@@ -84,6 +88,23 @@ class AttitudeBall(PaintedWidget):
             (("x", theme.curve), ("y", theme.curve_second), ("z", theme.curve_third))
         ):
             self._paint_axis(painter, seen(turn[:, axis][None])[0], centre, radius, name, colour)
+
+    def _painted_ground(self, centre: QPointF, radius: float) -> QPixmap:
+        """Return the sphere without marks; its shading is the dearest part of it, and always the same."""
+        ratio = self.devicePixelRatioF()
+        ground = QPixmap(self.size() * ratio)
+        ground.setDevicePixelRatio(ratio)
+        ground.fill(Qt.GlobalColor.transparent)
+        shade = QRadialGradient(centre + QPointF(-0.4 * radius, -0.5 * radius), 1.8 * radius)
+        shade.setColorAt(0.0, QColor(self._theme.canvas))
+        shade.setColorAt(1.0, QColor(self._theme.grid))
+        painter = QPainter(ground)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setBrush(shade)
+        painter.setPen(QPen(QColor(self._theme.text), 1.5))
+        painter.drawEllipse(centre, radius, radius)
+        painter.end()
+        return ground
 
     def _paint_circle(self, painter: QPainter, points: FloatArray, centre: QPointF, radius: float, colour: str) -> None:
         """Draw the half of a circle that faces the eye thick, the other half faint."""
@@ -98,9 +119,11 @@ class AttitudeBall(PaintedWidget):
                 if bool(is_front) is near:
                     run.append(QPointF(centre.x() + radius * right, centre.y() - radius * up))
                     continue
+                if run:
+                    painter.drawPolyline(QPolygonF(run))
+                    run = []
+            if run:
                 painter.drawPolyline(QPolygonF(run))
-                run = []
-            painter.drawPolyline(QPolygonF(run))
 
     def _paint_axis(
         self, painter: QPainter, tip: FloatArray, centre: QPointF, radius: float, name: str, colour: str

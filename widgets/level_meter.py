@@ -118,7 +118,7 @@ class LevelMeter(PaintedWidget):
             if rms > low:
                 left, right = self.x_of(low), self.x_of(min(rms, high))
                 painter.fillRect(QRectF(left, rect.top(), right - left, rect.height()), QColor(colour))
-        if row < len(status.peak_db):
+        if row < len(status.peak_db) and status.peak_db[row] > LOWEST_DB:
             x = self.x_of(status.peak_db[row])
             painter.fillRect(QRectF(x - 1, rect.top() + rect.height() / 3, 2, rect.height() / 3), QColor(theme.text))
         if row < len(status.held_peak_db) and status.held_peak_db[row] > LOWEST_DB:

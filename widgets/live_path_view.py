@@ -19,9 +19,10 @@ _LEAST_M = 4.0  # the plan is never closer than this
 
 @dataclass(frozen=True)
 class LivePlace:
-    """What is known of the ball's place: ``points_m`` (n, 2) east and north so far, the newest last."""
+    """What is known of the ball's place: ``points_m`` (n, 2) east and north so far, and ``here_m`` where it is now."""
 
     points_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    here_m: tuple[float, float] | None = None
     chainage_m: float | None = None
     sigma_m: float | None = None
     speed_mps: float | None = None
@@ -36,6 +37,9 @@ class LivePathView(PaintedWidget):
         super().__init__(parent)
         self._theme = theme
         self._place = LivePlace()
+        self._way = QPolygonF()  # of the place's points, in metres, north down
+        self._bounds = np.zeros((2, 2))
+        self._is_stale = False
         self.setAccessibleName(self.tr("Live path"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(180, 110)
@@ -46,8 +50,18 @@ class LivePathView(PaintedWidget):
 
     def set_place(self, place: LivePlace) -> None:
         """Show this."""
+        if place.points_m is not self._place.points_m:
+            every = max(1, -(-len(place.points_m) // _MOST_POINTS))
+            self._way = QPolygonF([QPointF(east, -north) for east, north in place.points_m[::every].tolist()])
+            self._bounds = _bounds(place.points_m)
         self._place = place
         self.update()
+
+    def set_stale(self, *, stale: bool) -> None:
+        """Say that what is shown is where it was when it was last heard of."""
+        if stale != self._is_stale:
+            self._is_stale = stale
+            self.update()
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""
@@ -62,6 +76,8 @@ class LivePathView(PaintedWidget):
             where = f"{number_text(place.chainage_m, 1, locale)} m"
             if place.sigma_m is not None:
                 where += f" ± {number_text(2.0 * place.sigma_m, 1, locale)} m"
+        if self._is_stale and place.chainage_m is not None:
+            return where, self.tr("? last known place")
         speed = "" if place.speed_mps is None else f"{number_text(place.speed_mps, 2, locale)} m/s"
         how = {True: self.tr("■ still"), False: self.tr("▶ moving"), None: ""}[place.is_still]
         return where, "   ".join(part for part in (how, speed) if part)
@@ -81,8 +97,8 @@ class LivePathView(PaintedWidget):
         font.setBold(True)
         painter.setFont(font)
         below = theme.metrics().height()
-        still = QColor(theme.verdicts[Verdict.UNSURE] if self._place.is_still else theme.verdicts[Verdict.CONFIRMED])
-        painter.setPen(still)
+        unsure = self._place.is_still or self._is_stale
+        painter.setPen(QColor(theme.verdicts[Verdict.UNSURE if unsure else Verdict.CONFIRMED]))
         painter.drawText(QRectF(8, line + 2, self.width() - 16, below), Qt.AlignmentFlag.AlignLeft, how)
         plan = QRectF(8, line + below + 6, self.width() - 16, self.height() - line - below - 14)
         if plan.height() > 30:
@@ -92,26 +108,37 @@ class LivePathView(PaintedWidget):
         painter.drawRect(QRectF(self.rect()).adjusted(0, 0, -1, -1))
 
     def _paint_plan(self, painter: QPainter, rect: QRectF) -> None:
-        points, theme = self._place.points_m, self._theme
-        if not len(points):
+        here, theme = self._place.here_m, self._theme
+        if here is None:
             painter.setPen(QColor(theme.text))
             painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, self.tr("No path yet"))
             return
-        low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
-        middle, size = 0.5 * (low + high), np.maximum(high - low, _LEAST_M)
-        scale = min(rect.width() / (1.1 * size[0]), rect.height() / (1.1 * size[1]))
+        points = self._place.points_m
+        low, high = (
+            (np.minimum(self._bounds[0], here), np.maximum(self._bounds[1], here)) if len(points) else (here, here)
+        )
+        middle, size = 0.5 * np.add(low, high), np.maximum(np.subtract(high, low), _LEAST_M)
+        scale = float(min(rect.width() / (1.1 * size[0]), rect.height() / (1.1 * size[1])))
 
         def pixel(east: float, north: float) -> QPointF:
             x = rect.center().x() + scale * (east - middle[0])
             return QPointF(x, rect.center().y() - scale * (north - middle[1]))
 
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        shown = points[:: -max(1, -(-len(points) // _MOST_POINTS))][::-1]
-        painter.setPen(QPen(QColor(theme.curve), 1.5 + theme.line_width))
-        painter.drawPolyline(QPolygonF([pixel(float(east), float(north)) for east, north in shown]))
+        pen = QPen(QColor(theme.curve), 1.5 + theme.line_width)
+        pen.setCosmetic(True)
+        painter.setPen(pen)
+        painter.save()
+        painter.translate(rect.center().x() - scale * middle[0], rect.center().y() + scale * middle[1])
+        painter.scale(scale, scale)
+        painter.drawPolyline(self._way)
+        if len(points):
+            painter.drawLine(QPointF(points[-1, 0], -points[-1, 1]), QPointF(here[0], -here[1]))
+        painter.restore()
+        start = pixel(*points[0]) if len(points) else pixel(*here)
         painter.setPen(QPen(QColor(theme.text), 1))
         painter.setBrush(QColor(theme.canvas))
-        painter.drawRect(QRectF(pixel(*points[0]) - QPointF(4, 4), pixel(*points[0]) + QPointF(4, 4)))
+        painter.drawRect(QRectF(start - QPointF(4, 4), start + QPointF(4, 4)))
         for name, east, north in self._place.marks:
             at = pixel(east, north)
             painter.setPen(QPen(QColor(theme.tie_point), 2))
@@ -119,7 +146,7 @@ class LivePathView(PaintedWidget):
             painter.drawText(at + QPointF(3, -4), name)
         painter.setPen(QPen(QColor(theme.canvas), 2))
         painter.setBrush(QColor(theme.cursor))
-        painter.drawEllipse(pixel(*points[-1]), 7, 7)
+        painter.drawEllipse(pixel(*here), 7, 7)
         self._paint_length(painter, rect, scale)
 
     def _paint_length(self, painter: QPainter, rect: QRectF, scale: float) -> None:
@@ -135,3 +162,8 @@ class LivePathView(PaintedWidget):
         height = theme.metrics().height()
         box = QRectF(right - 100, y - height - 2, 100, height)
         painter.drawText(box, Qt.AlignmentFlag.AlignRight, text)
+
+
+def _bounds(points_m: FloatArray) -> FloatArray:
+    """Return least and greatest east and north (2, 2)."""
+    return np.array([points_m.min(axis=0), points_m.max(axis=0)]) if len(points_m) else np.zeros((2, 2))

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from processing.survey import BoolArray, FloatArray
@@ -33,6 +33,7 @@ class LiveSpectrogram(PaintedWidget):
         self._span_s = 0.0
         self._ring: RingImage | None = None
         self._hint = ""
+        self._frame: tuple[object, QPixmap] | None = None
         self.setAccessibleName(self.tr("Live spectrogram"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(240, 110)
@@ -50,12 +51,13 @@ class LiveSpectrogram(PaintedWidget):
 
     def set_axes(self, frequency_hz: FloatArray, columns: int, column_s: float) -> None:
         """Begin anew with columns of these frequencies (rising), of which ``columns`` are shown."""
-        self._frequencies, self._span_s = frequency_hz, columns * column_s
+        self._frequencies, self._span_s, self._frame = frequency_hz, columns * column_s, None
         edges = np.geomspace(max(LOWEST_HZ, float(frequency_hz[0])), float(frequency_hz[-1]), ROWS + 1)
         self._starts = np.minimum(np.searchsorted(frequency_hz, edges[:-1]), len(frequency_hz) - 1)
         self._edges = edges
         self._tiles = np.zeros((columns, ROWS), np.uint8)  # as shown, oldest first
         self._is_gap = np.ones(columns, np.bool_)
+        self._seen = 0  # of the columns shown, how many came
         self._ring = RingImage(columns, ROWS)
         self._stop = 0  # number of the column to come
         self.refit()
@@ -88,6 +90,7 @@ class LiveSpectrogram(PaintedWidget):
             rows = np.concatenate([np.zeros((skipped, ROWS), np.uint8), rows])
             is_gap = np.concatenate([np.ones(skipped, np.bool_), is_gap])
         self._stop += len(rows)
+        self._seen = min(self._seen + len(rows), len(self._tiles))
         self._tiles = np.concatenate([self._tiles, rows])[-len(self._tiles) :]
         self._is_gap = np.concatenate([self._is_gap, is_gap])[-len(self._is_gap) :]
         before, self._heard = self._heard, self._heard + int(np.count_nonzero(~is_gap))
@@ -102,7 +105,9 @@ class LiveSpectrogram(PaintedWidget):
         if len(good):
             self._low = int(np.percentile(good, 15)) - _UNDER_STEPS
         assert self._ring is not None
-        self._ring.append(self._coloured(self._tiles, self._is_gap))
+        pixels = self._coloured(self._tiles, self._is_gap)
+        pixels[:, : len(self._tiles) - self._seen] = _pixel(self._theme.canvas)
+        self._ring.append(pixels)
 
     def _coloured(self, rows: Tiles, is_gap: BoolArray) -> Pixels:
         step = np.clip((np.arange(256) - self._low) * (255.0 / SPAN_STEPS), 0, 255).astype(np.intp)
@@ -127,18 +132,36 @@ class LiveSpectrogram(PaintedWidget):
     def _paint(self, painter: QPainter) -> None:
         theme, rect = self._theme, self.plot_rect()
         painter.setFont(theme.font())
-        painter.fillRect(rect, QColor(theme.canvas))
-        if self._ring is not None:
+        if self._ring is None:
+            painter.fillRect(rect, QColor(theme.canvas))
+        else:
             self._ring.paint(painter, rect)
-            self._paint_axes(painter, rect)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
+        key = (self.width(), self.height(), self.devicePixelRatioF(), theme, self._span_s, self._ring is None)
+        if self._frame is None or self._frame[0] != key:
+            self._frame = key, self._painted_frame(rect)
+        painter.drawPixmap(QPointF(0.0, 0.0), self._frame[1])
         painter.setPen(QPen(QColor(theme.text), 1))
-        painter.drawRect(rect)
         if self._hint or self._ring is None:
             box = QRectF(0, 0, min(rect.width(), 0.9 * self.width()), 2.2 * theme.metrics().height())
             box.moveCenter(rect.center())
             painter.fillRect(box, QColor(theme.canvas))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._hint or self.tr("No sound yet"))
+
+    def _painted_frame(self, rect: QRectF) -> QPixmap:
+        """Return axes and frame, which stay the same from picture to picture."""
+        ratio = self.devicePixelRatioF()
+        frame = QPixmap(self.size() * ratio)
+        frame.setDevicePixelRatio(ratio)
+        frame.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(frame)
+        painter.setFont(self._theme.font())
+        if self._ring is not None:
+            self._paint_axes(painter, rect)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(QColor(self._theme.text), 1))
+        painter.drawRect(rect)
+        painter.end()
+        return frame
 
     def _paint_axes(self, painter: QPainter, rect: QRectF) -> None:
         metrics = self._theme.metrics()

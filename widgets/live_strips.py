@@ -43,6 +43,7 @@ class _Strip:
         self.low = np.full((columns, len(kind.curves)), np.nan, np.float32)
         self.high = self.low.copy()
         self.half = kind.least
+        self.seen = 0  # of the columns shown, how many came
         self.ring = RingImage(columns, _ROWS)
 
     def add(self, low: Values, high: Values, over: int, colours: "_Colours") -> None:
@@ -51,6 +52,7 @@ class _Strip:
         low, high = low[-columns:], high[-columns:]
         self.low = np.concatenate([self.low[: columns - over], low])[-columns:]
         self.high = np.concatenate([self.high[: columns - over], high])[-columns:]
+        self.seen = min(self.seen + len(low) - over, columns)
         known = np.isfinite(self.low)
         most = float(np.max(np.abs([self.low[known], self.high[known]]), initial=0.0))
         wanted = max(1.15 * most, self.kind.least)
@@ -77,10 +79,11 @@ class _Strip:
         row = np.arange(_ROWS)[:, None]
         for curve, colour in enumerate(colours.curves):
             top = np.floor((0.5 - 0.5 * high[:, curve] / self.half) * _ROWS)
-            bottom = np.maximum(np.ceil((0.5 - 0.5 * low[:, curve] / self.half) * _ROWS), top + 2)
+            bottom = np.maximum(np.ceil((0.5 - 0.5 * low[:, curve] / self.half) * _ROWS), top + colours.thickness)
             covered = (row >= top) & (row < bottom)  # NaN compares as False: a gap stays empty
             pixels[covered] = colour
         missing = ~np.all(np.isfinite(low), axis=1)
+        missing[: max(count - self.seen, 0)] = False  # nothing could be missing yet
         pixels[:, missing] = colours.missing
         return pixels
 
@@ -91,6 +94,7 @@ class _Colours:
     grid: int
     missing: int
     curves: tuple[int, ...]
+    thickness: int
 
 
 class LiveStrips(PaintedWidget):
@@ -159,7 +163,9 @@ class LiveStrips(PaintedWidget):
             return int(QColor(text).rgb()) & 0xFFFFFFFF
 
         curves = tuple(pixel(text) for text in (theme.curve, theme.curve_second, theme.curve_third))
-        return _Colours(pixel(theme.canvas), pixel(theme.grid), pixel(theme.grid), curves)
+        return _Colours(
+            pixel(theme.canvas), pixel(theme.grid), pixel(theme.grid), curves, round(1.4 * theme.line_width)
+        )
 
     def _paint(self, painter: QPainter) -> None:
         theme, metrics = self._theme, self._theme.metrics()

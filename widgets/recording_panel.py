@@ -53,8 +53,9 @@ class RecordingPanel(QWidget):
         figures = QGridLayout()
         figures.setContentsMargins(0, 0, 0, 0)
         figures.setVerticalSpacing(2)
-        for number, label in enumerate((self.synced, self.disc, self.battery)):
+        for number, (label, share) in enumerate(((self.synced, 4), (self.disc, 6), (self.battery, 5))):
             figures.addWidget(label, 0, number)
+            figures.setColumnStretch(number, share)
         figures.addWidget(self.counts, 1, 0, 1, 3)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -179,8 +180,10 @@ class RecordingPanel(QWidget):
             self._say(self.disc, self.tr("disc: {size} GB free").format(size=size))
             return
         low = disc.seconds_left < SPACE_LOW_S
-        hours = clock_text(min(disc.seconds_left, 999 * 3600)).rpartition(":")[0]
-        text = self.tr("⚠ disc: {hours} h left") if low else self.tr("disc: {hours} h left ({size} GB)")
+        hours = clock_text(disc.seconds_left).rpartition(":")[0]
+        if disc.seconds_left > 20 * 3600:
+            hours = count_text(min(int(disc.seconds_left / 3600), 999))
+        text = self.tr("⚠ disc: {hours} h left") if low else self.tr("disc: {hours} h ({size} GB)")
         self._say(self.disc, text.format(hours=hours, size=size), warn=low)
 
     def _say(self, label: QLabel, text: str, *, warn: bool = False) -> None:

@@ -1947,6 +1947,10 @@
 <context>
     <name>LivePathView</name>
     <message>
+        <source>? last known place</source>
+        <translation>? bilinen son yer</translation>
+    </message>
+    <message>
         <source>Live path</source>
         <translation>Canlı güzergâh</translation>
     </message>
@@ -2963,8 +2967,8 @@ kapatılıyor …</translation>
         <translation>pil %{part}</translation>
     </message>
     <message>
-        <source>disc: {hours} h left ({size} GB)</source>
-        <translation>disk: {hours} saat kaldı ({size} GB)</translation>
+        <source>disc: {hours} h ({size} GB)</source>
+        <translation>disk: {hours} saat ({size} GB)</translation>
     </message>
     <message>
         <source>disc: {size} GB free</source>
