@@ -1,11 +1,12 @@
 """The attitude of every sample as it comes: LiveAttitude, calibrated by the first rest and again by later ones."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from processing.live.live_rest import RestWatch
 from processing.orientation import quaternions as qt
+from processing.orientation.calibration import Calibration
 from processing.orientation.live import LiveAttitude
 from processing.settings import OrientationSettings
 from processing.survey import FloatArray, ImuSamples
@@ -34,16 +35,41 @@ class AttitudeStream:
         self._held: list[ImuSamples] = []  # before the attitude begins
         self._waiting: list[tuple[FloatArray, FloatArray, FloatArray]] = []  # rows whose attitude is to come
         self._live: LiveAttitude | None = None
-        self.gravity_mps2 = self.rest.calibration().gravity_mps2
+        self._found: Calibration | None = None  # what the way itself has told
 
     @property
     def is_calibrated(self) -> bool:
         """Whether a rest has told the gyro's offset."""
         return self.rest.rests > 0
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether rows wait for their attitude: at the beginning, and after a gap that lost it."""
+        return self._live is None or bool(self._waiting)
+
+    def calibration(self) -> Calibration:
+        """Return what rests and the way itself have told so far."""
+        rested, found = self.rest.calibration(), self._found
+        if found is None:
+            return rested
+        if not self.is_calibrated:
+            return found
+        return replace(
+            found,
+            bias_time_s=rested.bias_time_s,
+            bias_radps=rested.bias_radps,
+            bias_sigma_radps=rested.bias_sigma_radps,
+        )
+
+    def learn(self, calibration: Calibration, turn_rad: float) -> None:
+        """Go on with what a look back over the way has told, and turned about up as it says."""
+        self._found = calibration
+        if self._live is not None:
+            self._live.recalibrate(self.calibration(), turn_rad)
+
     def add(self, imu: ImuSamples) -> OrientedRows:
-        """Take rows (m,), later than all before; return those whose attitude has become known."""
-        rows = _trusted(imu)
+        """Take trusted rows (m,), later than all before; return those whose attitude has become known."""
+        rows = imu
         if not len(rows.time_s):
             return _NO_ROWS
         better = self.rest.add(rows)
@@ -55,8 +81,8 @@ class AttitudeStream:
             rows, self._held = _joined(self._held), []
             self._live = self._begin(rows)
         elif better:
-            self._recalibrate()
-        calibration = self.rest.calibration()
+            self._live.recalibrate(self.calibration())
+        calibration = self.calibration()
         rate = calibration.corrected(rows.time_s, rows.gyr_s_radps) - self._live.bias_radps
         self._waiting.append((rows.time_s, rows.acc_s_mps2, rate))
         times, quats = self._live.add(rows)
@@ -64,15 +90,7 @@ class AttitudeStream:
 
     def _begin(self, rows: ImuSamples) -> LiveAttitude:
         period = float(np.median(np.diff(rows.time_s))) if len(rows.time_s) > 1 else 0.01
-        calibration = self.rest.calibration()
-        self.gravity_mps2 = calibration.gravity_mps2
-        return LiveAttitude(self._name, calibration, self._settings, period, yaw_rad=self._yaw_rad)
-
-    def _recalibrate(self) -> None:
-        assert self._live is not None
-        calibration = self.rest.calibration()
-        self.gravity_mps2 = calibration.gravity_mps2
-        self._live.recalibrate(calibration)
+        return LiveAttitude(self._name, self.calibration(), self._settings, period, yaw_rad=self._yaw_rad)
 
     def _taken(self, count: int, quats: FloatArray) -> OrientedRows:
         if count == 0:
@@ -83,13 +101,6 @@ class AttitudeStream:
 
 
 _NO_ROWS = OrientedRows(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), np.tile(qt.IDENTITY, (0, 1)))
-
-
-def _trusted(imu: ImuSamples) -> ImuSamples:
-    keep = np.asarray(imu.valid)
-    columns = (imu.time_s, imu.acc_s_mps2, imu.gyr_s_radps)
-    time_s, acc, gyr = (np.ascontiguousarray(np.asarray(c, dtype=np.float64)[keep]) for c in columns)
-    return ImuSamples(time_s, acc, gyr, np.ones(len(time_s), dtype=np.bool_))
 
 
 def _joined(parts: list[ImuSamples]) -> ImuSamples:

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from processing.errors import LeaklineError
-from processing.live.attitude_stream import AttitudeStream
-from processing.live.path_history import PathHistory
+from processing.live.attitude_stream import AttitudeStream, OrientedRows
+from processing.live.look_back import LookBack
+from processing.live.path_history import PathHistory, shifted
 from processing.live.picture import LivePolyline, LivePose
 from processing.live.rolling_steps import RollingSteps
 from processing.live.windowed_steps import WindowedSteps
@@ -24,7 +25,7 @@ from processing.progress import silent
 from processing.settings import Settings
 from processing.survey import Channel, FloatArray, ImuSamples, Launch, Motion, Stretch, Survey, TiePoint, Track
 
-_CHUNK_S = 0.04  # rows are worked on in pieces so long at least
+_CHUNK_S = 0.045  # rows are worked on in pieces so long at least
 _FIT_S = 2.0
 _KEYFRAMES = 80.0
 _LEAST_WAY_M = 0.05
@@ -54,9 +55,11 @@ class LivePath:
         self._settings = settings
         self._survey = replace(survey, pipe=replace(survey.pipe, length_m=None))
         self._fitting = replace(settings.position, keyframes=_KEYFRAMES)
-        self._stream = AttitudeStream(settings.orientation)
+        self._stream = AttitudeStream(settings.orientation, _first_yaw(survey))
         rolling = survey.device.motion is Motion.ROLLING and survey.processing.position in ("auto", "rolling")
         self._rolling = RollingSteps(survey.device, settings.position) if rolling else None
+        self._back = LookBack(survey, settings)
+        self._shift: FloatArray | None = None  # (16,) from the rolling rows to those of the last look back
         self._windowed = None if rolling else WindowedSteps(survey, settings.position)
         self._history = PathHistory()
         self._pending: list[ImuSamples] = []
@@ -80,8 +83,7 @@ class LivePath:
         span = float(imu.time_s[-1] - self._pending[0].time_s[0])
         if span < _CHUNK_S:
             return
-        for part in self._pending:
-            self._take(part)
+        self._take(_trusted(self._pending))  # numpy's calls cost the same for one row and for fifty
         self._pending = []
         if len(self._history) and self._history.last[0] - self._fit_s >= _FIT_S:
             self._fit()
@@ -141,20 +143,35 @@ class LivePath:
             return
         if self._rolling is not None:
             found, gaps = self._rolling.add(rows)
-            self._history.append(found)
+            self._history.extend_tail(found if self._shift is None else shifted(found, self._shift))
             self._base, self._is_still = self._rolling.base, self._rolling.is_still
+            self._look_back(imu, rows)
         elif self._windowed is not None:
             gaps = self._gaps_in(rows.time_s)
             self._is_still = self._stream.rest.is_resting
             settled = self._windowed.add(rows, is_resting=self._is_still)
             if settled is not None:
-                self._history.append(settled.rows)
+                self._history.settle(settled.rows)
                 self._history.set_tail(settled.tail)
                 self._base = self._windowed.base
         for start, end in gaps:
             self._history.stretches.append(Stretch(start, end, Channel.PATH, "imu_gap"))
             self._gap_end_s = end
         self._quat, self._now_s = rows.quat_ws[-1], float(rows.time_s[-1])
+
+    def _look_back(self, imu: ImuSamples, rows: OrientedRows) -> None:
+        """Take rows for the next look back over the last minutes; where it is due, go on from what it tells."""
+        self._back.add(imu, is_still=self._is_still)
+        if self._rolling is None or not self._back.is_due or self._stream.is_waiting:
+            return
+        seen = self._back.look()
+        self._history.settle(seen.settled)
+        self._history.set_tail(seen.tail)
+        self._shift = seen.tail[-1] - self._rolling.row()
+        turn = float(yaw_towards(rows.quat_ws[-1], seen.quat_ws))
+        self._stream.learn(seen.calibration, turn)
+        self._rolling.turn(turn)
+        self._fit_s = -np.inf  # the path goes on in another frame
 
     def _gaps_in(self, time_s: FloatArray) -> list[tuple[float, float]]:
         whole = time_s if np.isnan(self._now_s) else np.concatenate([[self._now_s], time_s])
@@ -203,6 +220,22 @@ class LivePath:
         gain = fitted.series.scale * (1.0 + float(fitted.series.slip_share[-1]))
         turn = float(yaw_towards(odometry.quat_ws[-1], track.quat_ws[-1]))
         return _Laid(track, odometry, gain, turn, str(track.quality.get("heading_basis", "unknown")))
+
+
+def _first_yaw(survey: Survey) -> float:
+    """Return the same arbitrary first yaw as after the run."""
+    heading = survey.launch.heading_deg
+    return float(qt.yaw_from_heading(np.radians(90.0 if heading is None else heading)))
+
+
+def _trusted(parts: list[ImuSamples]) -> ImuSamples:
+    """Return the rows that can be trusted, with what a path is made of."""
+    keep = np.concatenate([p.valid for p in parts])
+    time_s, acc, gyr = (
+        np.ascontiguousarray(np.concatenate([getattr(p, name) for p in parts])[keep], dtype=np.float64)
+        for name in ("time_s", "acc_s_mps2", "gyr_s_radps")
+    )
+    return ImuSamples(time_s, acc, gyr, np.ones(len(time_s), dtype=np.bool_))
 
 
 def _last(values: FloatArray | None) -> float:

@@ -4,6 +4,8 @@ What that one knows and this one cannot: whether a way back will become longer t
 the pipe after all. The way back then counts twice, forwards, at the moment at which it is known.
 """
 
+from copy import copy
+
 import numpy as np
 
 from processing.live.attitude_stream import OrientedRows
@@ -40,7 +42,7 @@ class RollingSteps:
         self._start_s = 0.0
         self._row = np.zeros(3)  # the integrals at the last track row
         self._row_s = np.nan
-        self._travel = _Travel(settings.reverse_max_m)
+        self._travel = Travel(settings.reverse_max_m)
         self._walks = np.zeros(4)  # along, up, lost way, lost heading
         self._heading_var = 0.0
         self.is_still = True
@@ -65,6 +67,22 @@ class RollingSteps:
                 out.append(self._over_gap(first, rates[part[0]], rows.quat_ws[part[0]]))
             out += self._advance(rows.time_s[part], rates[part], rows.quat_ws[part])
         return np.array(out).reshape(-1, WIDTH), gaps
+
+    def turn(self, angle_rad: float) -> None:
+        """Go on with attitudes that are turned about up by so much."""
+        c, s = np.cos(angle_rad), np.sin(angle_rad)
+        by = np.array([[c, -s], [s, c]])
+        self._rate = np.array([*(by @ self._rate[:2]), self._rate[2]])
+        self._travel.turn(by)
+
+    def row(self) -> FloatArray:
+        """Return the path's row (16,) at the very last sample."""
+        walks, var = self._walks.copy(), self._heading_var
+        travel, row, row_s = copy(self._travel), self._row, self._row_s
+        self._row = self._sums
+        out = self._path_row(self._time_s, np.array([1.0, 0.0, 0.0, 0.0]), self._sums - row)
+        self._travel, self._row, self._row_s, self._walks, self._heading_var = travel, row, row_s, walks, var
+        return out
 
     def _begin(self, time_s: float, rate: FloatArray) -> None:
         self._time_s = self._row_s = self._start_s = time_s
@@ -133,7 +151,7 @@ class RollingSteps:
         return np.array([*head, along, 0.25 * along, up, self._heading_var, way, turn])
 
 
-class _Travel:
+class Travel:
     """Distance along the pipe of a ball that may roll back: :func:`processing.position.rolling.travel`, causal."""
 
     def __init__(self, reverse_max_m: float) -> None:
@@ -144,7 +162,13 @@ class _Travel:
         self._signed_m = 0.0
         self.chainage_m = 0.0  # never decreases
 
+    def turn(self, by: FloatArray) -> None:
+        """Turn the direction of travel by a rotation (2, 2)."""
+        if self._direction is not None:
+            self._direction = by @ self._direction
+
     def add(self, step_m: FloatArray, length_m: float, duration_s: float) -> None:
+        """Take a step (2,) of the free path with its length and duration."""
         size = float(np.hypot(step_m[0], step_m[1]))
         if size > _CREEP_MPS * duration_s and size > 0.0:
             direction = step_m / size

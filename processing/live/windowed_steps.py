@@ -10,9 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from processing.live.attitude_stream import OrientedRows
-from processing.live.path_history import COLUMNS, QUAT, SUMMED, WIDTH
-from processing.orientation import quaternions as qt
-from processing.orientation.start import yaw_towards
+from processing.live.path_history import laid, row_at
 from processing.position.odometry import Odometry, held_back
 from processing.position.registry import METHODS
 from processing.progress import silent
@@ -79,14 +77,14 @@ class WindowedSteps:
         attitude = Attitude(window.quat_ws, np.zeros(3), "live")
         odometry = held_back(reckon(imu, attitude, self._survey, self._settings, silent()))
         self.base = odometry
-        table = _laid(odometry, self._joint)
+        table = laid(odometry, self._joint)
         fresh = table if self._joint is None else table[table[:, 0] > self._joint[0]]
         cut = self._cut(window, now)
         if cut is None:
             return Settled(table[:0], fresh)
         anchor_s, cut_s = cut
         done = fresh[fresh[:, 0] <= cut_s]
-        self._joint = _row_at(table, cut_s)
+        self._joint = row_at(table, cut_s)
         self._parts = [_since(window, anchor_s)]
         return Settled(np.vstack([done, self._joint]), fresh[len(done) :])
 
@@ -99,34 +97,6 @@ class WindowedSteps:
             return None
         first, middle, last = (now - s for s in _OVERLAP_S)
         return _stillest(window, first, middle), _stillest(window, middle, last)
-
-
-def _laid(odometry: Odometry, joint: FloatArray | None) -> FloatArray:
-    """Return a window's rows (m, 16), turned and shifted to pass through ``joint`` (16,), the settled path's end."""
-    table = np.zeros((len(odometry.time_s), WIDTH))
-    for name, columns in COLUMNS.items():
-        values = getattr(odometry, name)
-        if values is not None:
-            table[:, columns] = values.reshape(len(table), -1)
-    if joint is None:
-        return table
-    here = _row_at(table, float(joint[0]))
-    turn = float(yaw_towards(here[QUAT], joint[QUAT]))
-    c, s = np.cos(turn), np.sin(turn)
-    east, north = table[:, 1].copy(), table[:, 2].copy()
-    table[:, 1], table[:, 2] = c * east - s * north, s * east + c * north
-    table[:, QUAT] = qt.multiply(qt.turn_about_up(turn), table[:, QUAT])
-    here = _row_at(table, float(joint[0]))
-    table[:, SUMMED] += joint[SUMMED] - here[SUMMED]
-    return table
-
-
-def _row_at(table: FloatArray, time_s: float) -> FloatArray:
-    """Return the row (16,) at a moment between two."""
-    row = np.array([np.interp(time_s, table[:, 0], column) for column in table.T])
-    row[0] = time_s
-    row[QUAT] = table[int(np.argmin(np.abs(table[:, 0] - time_s))), QUAT]
-    return row
 
 
 def _stillest(window: OrientedRows, start_s: float, end_s: float) -> float:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from processing.errors import ErrorCode, LeaklineError
+from processing.orientation import quaternions as qt
 from processing.orientation.calibration import Calibration
 from processing.orientation.magnetometer import FieldReference
 from processing.orientation.recursion import Recursion
@@ -58,14 +59,16 @@ class LiveAttitude:
         self._before: Before | None = None
         self.bias_radps = np.zeros(3)  # what the estimator itself takes off the calibrated rates by now
 
-    def recalibrate(self, calibration: Calibration) -> None:
-        """Go on with what a later rest told: the attitude is kept, what the estimator learnt of the offset is not."""
+    def recalibrate(self, calibration: Calibration, turn_rad: float = 0.0) -> None:
+        """Go on with what was learnt since: the attitude is kept, turned about up; the estimator's offset is not."""
         self._view = replace(self._view, calibration=calibration)
         self._recursion = None
         self.bias_radps = np.zeros(3)
+        turn = qt.turn_about_up(turn_rad)
+        self._tail = [(block, qt.multiply(turn, quat)) for block, quat in self._tail]
         if self._under_way and self._state is not None:
             self._recursion = self._make(replace(self._view, imu=self._rows))
-            self._state = self._recursion.begin(self._state[:4].copy(), None)
+            self._state = self._recursion.begin(qt.multiply(turn, self._state[:4]), None)
 
     def add(self, imu: ImuSamples) -> Attitudes:
         """Take rows (m,); return times (k,) and attitudes (k, 4) of the trusted rows that have become known.
