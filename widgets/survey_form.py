@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from processing.survey import Motion, Route, Survey
+from processing.survey import AudioInfo, Motion, Route, Survey
 from widgets.method_panel import MethodRow
 from widgets.optional_number import OptionalNumber, number_text
 from widgets.quiet_combo import QuietCombo
@@ -297,6 +297,19 @@ class SurveyForm(QWidget):
             (self._drift, audio.drift_ppm),
         )
 
+    def _audio(self) -> AudioInfo:
+        """Return what the form says of the sound; a clock that was typed is no measurement any more."""
+        audio = replace(
+            self._survey.audio,
+            channel=int(self._channel.value or 0),
+            start_time_s=self._start.value,
+            drift_ppm=self._drift.value,
+        )
+        before = self._survey.audio
+        if (audio.start_time_s, audio.drift_ppm) == (before.start_time_s, before.drift_ppm):
+            return audio
+        return replace(audio, start_sigma_s=None, drift_sigma_ppm=None)
+
     def survey(self) -> Survey:
         """Return what the form says; tie points and route are those of the survey that was set."""
         return replace(
@@ -317,12 +330,7 @@ class SurveyForm(QWidget):
                 pressure_bar=self._pressure.value,
             ),
             device=replace(self._survey.device, motion=Motion(self._motion.currentData()), radius_m=self._radius.value),
-            audio=replace(
-                self._survey.audio,
-                channel=int(self._channel.value or 0),
-                start_time_s=self._start.value,
-                drift_ppm=self._drift.value,
-            ),
+            audio=self._audio(),
             launch=replace(
                 self._survey.launch,
                 latitude=self._latitude.value,

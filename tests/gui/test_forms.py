@@ -72,6 +72,15 @@ def test_an_edit_comes_out_as_a_new_survey(form, qtbot):
     assert FULL.pipe.diameter_m == 0.30
 
 
+def test_a_clock_that_was_measured_stays_one_until_it_is_typed(form, qtbot):
+    told = AudioInfo(start_time_s=-0.123456789, drift_ppm=12.3456789, start_sigma_s=0.01, drift_sigma_ppm=0.5)
+    form.set_survey(Survey(audio=told))
+    edit(qtbot, form, "name", "Main")
+    assert form.survey().audio == told
+    edit(qtbot, form, "drift", "12")
+    assert form.survey().audio == AudioInfo(start_time_s=-0.123456789, drift_ppm=12.0)
+
+
 def test_the_radius_matters_only_to_a_rolling_ball(form, qtbot):
     form.set_survey(Survey())
     radius = form.findChild(OptionalNumber, "radius")

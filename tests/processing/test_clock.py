@@ -12,7 +12,7 @@ from processing.clock_picture import clock_picture
 from processing.settings import ClockSettings, SoundSettings
 from processing.sound.scan import scan
 from processing.sound.source import open_audio
-from processing.survey import AudioInfo, ClockMap, ImuSamples
+from processing.survey import AudioGap, AudioInfo, ClockMap, ImuSamples
 
 RATE, IMU_RATE = 8000, 200.0
 SETTINGS = ClockSettings(imu_delay_periods=0.0, contact_s=0.0)  # the simulated sensor below delays nothing
@@ -238,3 +238,79 @@ def test_where_nothing_relates_the_clocks_the_picture_is_empty():
     assert picture.close_ups == ()
     assert len(picture.residual_ms) == len(picture.band_ms) == 0
     assert picture.counts.sum() == 0
+
+
+# --- a clock that was measured while recording
+
+MEASURED = ClockMap(0.8, 35.0)
+KNOCKS = [*(22.3 + TAPS), *(270.1 + TAPS)]
+
+
+def measured(off_s=0.005, off_ppm=0.3, sigma_s=0.010, sigma_ppm=0.5):
+    """What a recorder would tell of the clock ``MEASURED``, off by so much."""
+    return AudioInfo(
+        start_time_s=MEASURED.start_s + off_s,
+        drift_ppm=MEASURED.drift_ppm + off_ppm,
+        start_sigma_s=sigma_s,
+        drift_sigma_ppm=sigma_ppm,
+    )
+
+
+@pytest.mark.parametrize("off_s", [0.005, -0.005, 0.030])
+def test_knocks_make_a_measured_clock_better(tmp_path, off_s):
+    clock, codes = aligned(tmp_path, MEASURED, [(t, 25.0) for t in KNOCKS], 300, 11, measured(off_s))
+    assert (clock.basis, codes) == ("knocks", ["clock_knocks"])
+    assert error_s(clock, MEASURED, 300) < 0.004
+    assert clock.sigma_s < 0.005
+    assert clock.drift_ppm == pytest.approx(35.0, abs=4 * 0.5)
+
+
+def test_an_even_rhythm_is_no_riddle_where_the_clock_was_measured(tmp_path):
+    blows = [(t, 25.0) for t in [*(25 + np.arange(6.0)), *(270 + np.arange(6.0))]]
+    assert aligned(tmp_path, MEASURED, blows, 300, 12)[0].basis == "assumed"
+    clock, _ = aligned(tmp_path, MEASURED, blows, 300, 12, measured())
+    assert clock.basis == "knocks"
+    assert error_s(clock, MEASURED, 300) < 0.005
+
+
+def test_knocks_at_the_start_alone_take_the_drift_that_was_measured(tmp_path):
+    clock, codes = aligned(tmp_path, MEASURED, [(t, 25.0) for t in 22.3 + TAPS], 300, 13, measured(off_ppm=0.2))
+    assert (clock.basis, codes) == ("knocks", ["clock_knocks"])
+    assert (clock.drift_ppm, clock.drift_sigma_ppm) == (pytest.approx(35.2), pytest.approx(0.5))
+    assert error_s(clock, MEASURED, 300) < 0.005
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_without_anything_felt_a_measured_clock_is_used_with_its_own_doubt(tmp_path, seed):
+    clock, codes = aligned(tmp_path, MEASURED, [], 300, seed, measured(), strangers=(0, 15, 40, 120)[seed])
+    assert (clock.basis, codes) == ("measured", ["clock_measured"])
+    assert (clock.start_s, clock.drift_ppm) == (pytest.approx(0.805), pytest.approx(35.3))
+    at = MEASURED.to_survey(np.array([0.0, 150.0, 300.0]))
+    sigma_s = clock.sigma_at(at)
+    assert sigma_s == pytest.approx([0.010, 0.010, 0.010], rel=0.01)
+    assert (np.abs(clock.to_survey(MEASURED.to_audio(at)) - at) < 1.96 * sigma_s).all()
+
+
+def test_a_measured_clock_that_knocks_contradict_is_told(tmp_path):
+    clock, codes = aligned(tmp_path, MEASURED, [(t, 25.0) for t in KNOCKS], 300, 7, measured(off_s=2.0))
+    assert clock.basis == "measured"
+    assert codes == ["clock_measured", "clock_measured_contradicted"]
+
+
+def test_one_sigma_alone_makes_no_measurement(tmp_path):
+    told = AudioInfo(start_time_s=4.0, drift_ppm=11.0, start_sigma_s=0.01)
+    clock, _ = aligned(tmp_path, MEASURED, [], 60, 1, told, strangers=0)
+    assert (clock.basis, clock.start_s) == ("given", 4.0)
+
+
+def test_without_sound_a_measured_clock_is_kept():
+    assert align(imu_with([], 30, 0), None, measured(), SETTINGS).clock.basis == "measured"
+
+
+def test_where_the_sound_breaks_off_nobody_knocked(tmp_path):
+    blows = [(t, 0.7) for t in 20 + np.cumsum(np.array([0.0, 1.3, 0.8, 2.1]))]
+    heard = sound_with(tmp_path, blows, 60, 1)
+    gaps = tuple(AudioGap(t - 0.3, t + 0.05, "live_sound_lost") for t, _ in blows[:2])
+    fit = align(imu_with([], 60, 0), heard, AudioInfo(), SETTINGS, gaps=gaps)
+    near = np.array([np.abs(fit.heard_s - t).min() < 0.02 for t, _ in blows])
+    assert near.tolist() == [False, False, True, True]
