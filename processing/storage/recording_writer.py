@@ -168,11 +168,13 @@ class RecordingWriter:
     def set_clock(self, clock: ClockNumbers) -> None:
         """Keep how the sound's clock goes; stored after ten seconds, then every ten minutes, and at the end."""
         start_s, ppm = float(clock.start_time_s), float(clock.drift_ppm)
+        start_sigma_s, sigma_ppm = float(clock.start_sigma_s), float(clock.drift_sigma_ppm)
         values = {"start_time_s": start_s, "drift_ppm": ppm}
-        values |= {"start_sigma_s": float(clock.start_sigma_s), "drift_sigma_ppm": float(clock.drift_sigma_ppm)}
+        values |= {"start_sigma_s": start_sigma_s, "drift_sigma_ppm": sigma_ppm}
 
         def told(survey: Survey) -> Survey:
-            return replace(survey, audio=replace(survey.audio, start_time_s=start_s, drift_ppm=ppm))
+            audio = replace(survey.audio, start_time_s=start_s, drift_ppm=ppm)
+            return replace(survey, audio=replace(audio, start_sigma_s=start_sigma_s, drift_sigma_ppm=sigma_ppm))
 
         self._keeper.set_clock((told, values))
 
@@ -182,7 +184,9 @@ class RecordingWriter:
         def replaced(before: Survey) -> Survey:
             times = {point.time_s for point in survey.tie_points}
             marks = tuple(point for point in before.tie_points if point.time_s not in times)
-            audio = replace(survey.audio, start_time_s=before.audio.start_time_s, drift_ppm=before.audio.drift_ppm)
+            known = before.audio
+            audio = replace(survey.audio, start_time_s=known.start_time_s, drift_ppm=known.drift_ppm)
+            audio = replace(audio, start_sigma_s=known.start_sigma_s, drift_sigma_ppm=known.drift_sigma_ppm)
             return replace(survey, tie_points=(*survey.tie_points, *marks), audio=audio)
 
         self._keeper.change(replaced, urgent=True)

@@ -172,6 +172,18 @@ def test_the_sums_of_a_recording_that_was_never_ended_are_stored_once_it_was_rea
         assert [finding.code for finding in folder.verify_originals()] == ["original_changed"]
 
 
+def test_a_stick_too_slow_to_be_read_again_leaves_the_sums_to_the_import(tmp_path, monkeypatch):
+    monkeypatch.setattr(recording_keeper, "HASH_AT_END_S", 0.0)
+    with recording(tmp_path) as writer:
+        give(writer, 1.0)
+    with SurveyFolder.open(writer.path) as folder:
+        assert {file.sha256 for file in folder.files()} == {""}
+        found = import_folder(folder.original_dir, known=folder.files())
+        assert "recording_unfinished" not in codes(found)
+        folder.complete_recording(found.files)
+        assert folder.verify_originals() == ()
+
+
 def test_a_folder_that_was_imported_lists_only_what_was_imported(folder):
     (folder.original_dir / "audio-007.wav").write_bytes(b"put there by hand")
     assert "audio-007.wav" not in [file.path.name for file in folder.files()]
@@ -212,7 +224,13 @@ def test_marks_are_in_the_survey_at_once_and_the_clock_at_the_end(writer):
     writer.set_clock(Guess())
     writer.close()
     with SurveyFolder.open(writer.path) as folder:
-        assert (folder.read_survey().audio.start_time_s, folder.read_survey().audio.drift_ppm) == (0.25, -12.5)
+        audio = folder.read_survey().audio
+        assert (audio.start_time_s, audio.drift_ppm, audio.start_sigma_s, audio.drift_sigma_ppm) == (
+            0.25,
+            -12.5,
+            0.002,
+            0.5,
+        )
         assert folder.read_survey().tie_points == tuple(points)
     clocks = [line.values for line in read_journal(original(writer) / "recording.jsonl") if line.event == "clock"]
     assert clocks == [{"start_time_s": 0.25, "drift_ppm": -12.5, "start_sigma_s": 0.002, "drift_sigma_ppm": 0.5}]
