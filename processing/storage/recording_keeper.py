@@ -174,10 +174,14 @@ class Keeper:
     def _write_lines(self) -> None:
         with self._lock:
             lines, self._lines = self._lines, []
-        if lines:
+        try:
             self._journal_file.append(b"".join(line_bytes(line) for line in lines))
+        except BaseException:
+            with self._lock:
+                self._lines = lines + self._lines
+            raise
 
-    def _store_survey(self) -> None:
+    def _store_survey(self, *, is_last: bool = False) -> None:
         with self._lock:
             survey, is_stored, self._is_stored = self._survey, self._is_stored, True
             changes = self._changes
@@ -188,8 +192,9 @@ class Keeper:
         except LeaklineError as error:
             with self._lock:
                 self._is_stored = False
-            if error.code is not ErrorCode.SURVEY_LOCKED:  # somebody reads it for long: the next second will do
+            if is_last or error.code is not ErrorCode.SURVEY_LOCKED:
                 raise
+            # somebody reads it for long: the next second will do
             return
         with self._lock:
             self._stored_changes = changes
@@ -237,12 +242,10 @@ class Keeper:
         rate = self._bytes_per_s()
         left = seconds_left(free, self._reserve, rate)
         self.disc = replace(self.disc, free_bytes=free, bytes_per_s=rate, seconds_left=left)
-        if left is None:
-            return
-        if left < WARN_S and not self.findings:
+        if left is not None and left < WARN_S and not self.findings:
             self.findings = (Finding("recording_disc_low", Severity.WARNING, {"minutes": left / 60.0}),)
             self.note(JournalEvent.DISC_LOW, {"seconds_left": left, "free_bytes": free})
-        if left <= 0.0:
+        if free <= self._reserve:
             raise LeaklineError(ErrorCode.DISC_FULL, Place(self.path))
 
     def _bytes_per_s(self) -> float:
@@ -293,7 +296,7 @@ class Keeper:
             self._write_lines,
             self._sync,
             self._write_last_line,
-            self._store_survey,
+            lambda: self._store_survey(is_last=True),
             self._hash_all,
             self._close,
         )

@@ -21,6 +21,7 @@ from processing.settings import ImportSettings
 from processing.storage import disc_space, recording_keeper, recording_streams
 from processing.storage.cache import Cache
 from processing.storage.folder import SurveyFolder
+from processing.storage.growing_file import GrowingFile
 from processing.storage.journal import JournalEvent, read_journal
 from processing.storage.recording_writer import RecordingWriter, SoundForm
 from processing.storage.sound_parts import SoundParts
@@ -265,6 +266,19 @@ def test_a_survey_that_somebody_reads_for_long_is_stored_later(writer, monkeypat
     assert writer.fault is None
 
 
+def test_a_survey_that_cannot_be_stored_even_in_the_end_is_told(tmp_path, monkeypatch):
+    def busy(folder, survey, operator):
+        raise LeaklineError(ErrorCode.SURVEY_LOCKED)
+
+    with recording(tmp_path) as writer:
+        monkeypatch.setattr(SurveyFolder, "write_survey", busy)
+        writer.mark(TiePoint("vana", 1.0))
+        assert not writer.wait_stored(0.3)
+        assert writer.fault is None
+    assert writer.fault.code is ErrorCode.SURVEY_LOCKED
+    assert "mark" in events(writer)
+
+
 def test_everybody_may_write_at_once(writer):
     def sound():
         for i in range(100):
@@ -397,6 +411,22 @@ def test_a_disc_that_fails_ends_the_recording_and_raises_nowhere(tmp_path, monke
         found = import_folder(folder.original_dir)
         assert sound_in(found.audio) >= 48000
         assert motion_in(folder.original_dir) >= 400
+
+
+def test_lines_that_found_no_room_are_in_the_journal_in_the_end(tmp_path, monkeypatch):
+    real, refused = GrowingFile.append, []
+
+    def full(file, data):
+        if b"vana 12" in data and not refused:
+            refused.append(data)
+            raise LeaklineError(ErrorCode.DISC_FULL)
+        real(file, data)
+
+    monkeypatch.setattr(GrowingFile, "append", full)
+    with recording(tmp_path) as writer:
+        writer.note(JournalEvent.NOTE, text="vana 12")
+        wait_for(lambda: writer.fault)
+    assert events(writer)[-3:] == ["note", "fault", "stopped"]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows lets nobody take away what is open")
