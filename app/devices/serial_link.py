@@ -76,9 +76,9 @@ class OpenPort:
 
     def is_stale(self) -> bool:
         """Whether the name leads to another port now, or to none: some drivers never tell that theirs is gone."""
-        if sys.platform == "win32":
-            return all(port.device != self.device for port in list_serial_ports())
         try:
+            if sys.platform == "win32":
+                return all(port.device != self.device for port in list_serial_ports())
             return os.fstat(self._port.fileno()).st_rdev != os.stat(self.device).st_rdev  # noqa: PTH116
         except OSError:
             return True

@@ -93,6 +93,8 @@ def checksums(rows: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint16]:
 
 def encode(frames: Frames) -> bytes:
     """Return the bytes of the samples; a frame holds what is finite in at least one of them."""
+    if not len(frames):
+        return b""
     flags = 0
     for flag, name, _, _ in _OPTIONAL:
         flags |= flag if np.isfinite(getattr(frames, name)).any() else 0

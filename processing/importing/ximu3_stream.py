@@ -104,7 +104,8 @@ def _table(kind: str, binary: list[bytes], text: list[list[float]]) -> FloatArra
     table = np.empty((len(binary), 1 + WIDTHS[kind]))
     if binary:
         rows: npt.NDArray[np.void] = np.frombuffer(b"".join(binary), _LAYOUTS[kind])
-        table[:, 0], table[:, 1:] = rows["time_us"], rows["values"]
+        with np.errstate(invalid="ignore"):  # damage may look like a number that signals
+            table[:, 0], table[:, 1:] = rows["time_us"], rows["values"]
     if not text:
         return table
     return np.concatenate([table, np.array(text, np.float64)])

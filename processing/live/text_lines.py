@@ -32,7 +32,7 @@ class LineCutter:
                 self.garbage_bytes += len(lines[0]) + 1
                 lines[0] = b""
                 self._is_dropping = False
-            self.starts_torn = self._is_open and bool(lines[0])
+            self.starts_torn = self._is_open and 0 < len(lines[0]) <= LONGEST
             self._is_open = False
         if len(self._left) > LONGEST:
             self._is_dropping = True

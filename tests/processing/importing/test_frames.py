@@ -50,6 +50,10 @@ def test_a_frame_is_written_as_its_table_says():
     assert data == b"\xc5\x4c" + body + struct.pack("<H", binascii.crc_hqx(body, 0xFFFF))
 
 
+def test_no_samples_are_no_bytes():
+    assert encode(samples(0)) == b""
+
+
 def test_the_checksum_is_that_of_the_standard():
     # the check value of CRC-16/CCITT-FALSE
     assert checksums(np.frombuffer(b"123456789", np.uint8)[None])[0] == 0x29B1

@@ -85,3 +85,8 @@ def test_messages_of_other_kinds_are_no_garbage_and_what_no_sensor_measures_is_u
     )
     assert found.time_us.tolist() == [10_000]
     assert 0 < decoder.garbage_bytes < 60
+
+
+def test_damage_that_looks_like_a_signalling_number_warns_nobody():
+    body = b"\xc9" + (2500).to_bytes(8, "little") + bytes.fromhex("010080ff") * 6 + b"\n"
+    assert not len(Ximu3RowsDecoder().feed(body + ximu3("M", 2600, 1, 1, 1)))
