@@ -12,6 +12,7 @@ from app import appearance, diagnostics
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.jobs import Jobs
 from app.main_window import MainWindow, Services
+from app.recording_parts import RecordingKit
 from app.settings import PreferencesStore, log_folder
 from app.survey_session import SurveySession
 from widgets.message_boxes import Choice
@@ -29,11 +30,13 @@ class Application(QObject):
         log_file: Path | None,
         make_sink: Callable[[float], Sink] = open_sink,
         why_silent: Callable[[], str | None] = why_silent,
+        recording: RecordingKit | None = None,
     ) -> None:
         super().__init__()
         self._qt = qt
         self._translation = appearance.Translation(qt)
-        self.services = Services(SurveySession(self), Jobs(self), preferences, log_file, make_sink, why_silent)
+        session, jobs = SurveySession(self), Jobs(self)
+        self.services = Services(session, jobs, preferences, log_file, make_sink, why_silent, recording)
         self.guard = diagnostics.CrashGuard(self)
         self.guard.crashed.connect(self._tell_crash)
         self._telling = False
@@ -54,7 +57,10 @@ class Application(QObject):
         old.close()
         self.window = self._make_window(language)
         self.window.show()
-        if page != "start":
+        built_when_asked = {"correlator": self.window.correlator.show, "recording": self.window.recording.show}
+        if page in built_when_asked:
+            built_when_asked[page]()
+        elif page != "start":
             self.window.show_page(page)
         old.deleteLater()
 
