@@ -80,6 +80,7 @@ class Outcome:
     twice: int = 0
     time_off_ms: tuple[float, float] = (0.0, 0.0)  # recorded time less when sent: about its median, least and most
     clock_off_ms: tuple[float, float] = (0.0, 0.0)  # recorded time less the device's own
+    pause_s: tuple[float, float] = (0.0, 0.0)  # the longest between two arrivals, and between two sendings
     sound_equal: int = 0
     sound_filled: int = 0  # frames of silence written for what was lost
     sound_lost: int = 0  # played frames that are not in the recording, between its first and last
@@ -188,6 +189,7 @@ def compare_motion(original: Path, truth: Path, tolerance: float, outcome: Outco
     outcome.missing = int(at.max() - at.min()) + 1 - len(np.unique(at)) if len(at) else -1
     time_s = 1e-6 * got.time_us[known].astype(np.float64)
     outcome.time_off_ms = _spread_ms(time_s - sent.host_s[at])
+    outcome.pause_s = tuple(float(np.diff(one.host_s).max(initial=0.0)) for one in (got, sent))
     outcome.clock_off_ms = _spread_ms(time_s - 1e-6 * sent.time_us[at].astype(np.float64))
     assert np.all(np.diff(got.time_us.astype(np.int64)) > 0), "time does not rise"
 
@@ -264,7 +266,8 @@ def report(case: Case, out: Outcome) -> None:
     print(
         f"{case.name:15} status {out.status}  rows {out.rows:6}  foreign {out.foreign:3}  missing {out.missing:4}  "
         f"twice {out.twice:2}  time {out.time_off_ms[0]:+7.1f} … {out.time_off_ms[1]:+7.1f} ms  "
-        f"to its clock {out.clock_off_ms[0]:+.3f} … {out.clock_off_ms[1]:+.3f} ms\n    "
+        f"to its clock {out.clock_off_ms[0]:+.3f} … {out.clock_off_ms[1]:+.3f} ms  "
+        f"pause {out.pause_s[0]:.2f} s (sent {out.pause_s[1]:.2f} s)\n    "
         f"sound equal {out.sound_equal:8} filled {out.sound_filled:6} lost {out.sound_lost:6} "
         f"off {out.sound_off_ms:+6.1f} ms"
     )
