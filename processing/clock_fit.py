@@ -100,7 +100,7 @@ def doubt_of(line: Line, delay_sigma_s: float, prior_sigma: float, least_scatter
 
 def wander_s(survey_s: FloatArray, residual_s: FloatArray, scatter_s: float) -> float:
     """Return the rms course (s) that the means of eight blocks of time show beyond what scatter gives; 0 for none."""
-    from scipy import stats
+    from scipy import special  # not scipy.stats: to load it takes a second, in the midst of a live recording
 
     edges = np.linspace(survey_s.min(), survey_s.max(), _WANDER_BLOCKS + 1)
     block = np.clip(np.searchsorted(edges, survey_s, side="right") - 1, 0, _WANDER_BLOCKS - 1)
@@ -115,6 +115,6 @@ def wander_s(survey_s: FloatArray, residual_s: FloatArray, scatter_s: float) -> 
     fine = min(scatter_s, float(np.sqrt(np.mean(step**2) / 2.0)))
     expected = fine**2 / number[full]
     chi2, freedom = float(np.sum(means**2 / np.maximum(expected, 1e-12))), len(means) - 2
-    if stats.chi2.sf(chi2, freedom) > _WANDER_CHANCE:
+    if special.chdtrc(freedom, chi2) > _WANDER_CHANCE:
         return 0.0
     return float(np.sqrt(max(float(np.mean(means**2) - np.mean(expected)), 0.0)))

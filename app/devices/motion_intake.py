@@ -36,6 +36,7 @@ MOST_WAITING = 64 << 20  # bytes
 _BATCH_BYTES = 1 << 16
 _BATCH_S = 0.02  # what comes within it is taken at once: a tenth of the work, and no picture is faster
 _FIT_EVERY_S = 0.5
+_LOOK_S = 0.005
 _END = (b"", -1.0)
 
 
@@ -133,8 +134,11 @@ class MotionIntake:
             self._untold_garbage = 0
             self._is_clock_told, self._final = False, None
 
-    def end(self) -> None:
-        """Write no more; what was taken in until now is with the sink when this returns."""
+    def end(self, patience_s: float = 10.0) -> None:
+        """Write no more, after all that came until now is with the sink, if that is so in time."""
+        until, give_up_s = self._put_bytes, time.monotonic() + patience_s
+        while self._taken_bytes < until and self._thread.is_alive() and time.monotonic() < give_up_s:
+            time.sleep(_LOOK_S)
         with self._lock:
             self._sink, self._final = None, self._counts
 
@@ -158,7 +162,12 @@ class MotionIntake:
         last = self._last_sample_s
         if last is None:
             return LinkState.WAITING
-        return LinkState.LIVE if now - last <= SILENT_S else LinkState.SILENT
+        is_live = now - last <= SILENT_S or (self._waiting_bytes > 0 and not self._unknown_bytes)
+        return LinkState.LIVE if is_live else LinkState.SILENT
+
+    @property
+    def _waiting_bytes(self) -> int:
+        return self._put_bytes - self._taken_bytes
 
     def look(self, now: float) -> None:
         """Notice that samples have ceased to come; to be called a few times a second, by one thread."""
@@ -186,7 +195,7 @@ class MotionIntake:
     # --- from the link's thread
 
     def _on_bytes(self, data: bytes, host_s: float) -> None:
-        if self._put_bytes - self._taken_bytes > MOST_WAITING:
+        if self._waiting_bytes > MOST_WAITING:
             self._refused_bytes += len(data)
             return
         self._put_bytes += len(data)
@@ -216,6 +225,7 @@ class MotionIntake:
             except Exception as error:  # a fault of ours costs one block, not the recording
                 log.exception("a block of motion was not taken")
                 self._told.tell("recorder_fault", Severity.WARNING, kind=type(error).__name__, detail=str(error)[:200])
+            self._taken_bytes += len(data)
 
     def _next_batch(self) -> tuple[bytes, float] | None:
         """Return bytes and when the last of them came, no bytes where the link began anew, None at the end.
@@ -225,7 +235,8 @@ class MotionIntake:
         (data, host_s), self._ahead = self._ahead or self._queue.get(), None
         if not data:
             return None if host_s == _END[1] else (data, host_s)
-        time.sleep(_BATCH_S)
+        if self._waiting_bytes <= _BATCH_BYTES:
+            time.sleep(_BATCH_S)
         pieces, size = [data], len(data)
         while size < _BATCH_BYTES and not self._queue.empty():
             self._ahead = self._queue.get()
@@ -235,7 +246,6 @@ class MotionIntake:
             self._ahead = None
             pieces.append(data)
             size += len(data)
-        self._taken_bytes += size
         return b"".join(pieces), host_s
 
     def _take(self, data: bytes, host_s: float) -> None:
@@ -285,6 +295,9 @@ class MotionIntake:
             self._told.add_up("recorder_imu_gap", Severity.MASKED, lost=placed.lost, gaps=max(1, len(placed.holes)))
         if placed.repeated:
             self._told.add_up("recorder_imu_repeated", Severity.REPAIRED, count=placed.repeated)
+        if placed.absurd:
+            self._told.note("motion_absurd", count=placed.absurd)
+            self._told.add_up("recorder_imu_absurd", Severity.MASKED, count=placed.absurd)
         if placed.restarted:
             self._told.note(JournalEvent.MOTION_RESTART, time_us=int(placed.frames.time_us[0]))
             self._told.tell("recorder_imu_restarted", Severity.REPAIRED)
@@ -306,7 +319,7 @@ class MotionIntake:
 
     def _look_at_refused(self) -> None:
         refused = self._refused_bytes
-        if refused and self._taken_bytes == self._put_bytes:
+        if refused and not self._queue.qsize():
             self._refused_bytes -= refused
             self._told.note("motion_refused", bytes=refused)
             self._told.add_up("recorder_imu_refused", Severity.MASKED, bytes=refused)

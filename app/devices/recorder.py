@@ -240,7 +240,7 @@ class Recorder:
     def status(self) -> RecordingStatus:
         """Return how everything is; cheap, and waits for nobody."""
         now, take, state = time.monotonic(), self._take, self._state
-        findings = self._told.findings
+        findings = self._told.findings if take is None or take.findings is None else take.findings
         if take is None:
             elapsed_s, survey_s, disc = 0.0, None, DiscStatus()
         else:
@@ -291,6 +291,7 @@ class Recorder:
                 self._sound.end(take.ended_s, self._drain_s)
             if self._motion is not None:
                 self._motion.end()
+            take.findings = self._told.findings  # what is noticed from here on is not of this recording
             take.settle()
             self._told.note("counts", **take.counts())
             self._told.attach(None)
@@ -303,6 +304,7 @@ class Recorder:
                 code = "recorder_ended_disc" if is_full else "recorder_ended_fault"
                 about = {} if is_full else {"reason": str(fault.params.get("reason", fault))}
                 self._told.tell(code, Severity.WARNING, **about)
+                take.findings = (*(take.findings or ()), self._told.findings[-1])
             with self._lock:
                 self._state = RecordingState.STOPPED if fault is None else RecordingState.FAILED
             take.done.set()

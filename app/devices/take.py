@@ -12,7 +12,7 @@ from app.devices.recorder_events import Happenings
 from app.devices.sound_intake import SoundIntake
 from processing.live.sound_timeline import ClockGuess, sound_to_survey
 from processing.storage.recording_writer import RecordingWriter
-from processing.survey import Severity, TiePoint
+from processing.survey import Finding, Severity, TiePoint
 
 log = logging.getLogger(__name__)
 
@@ -34,7 +34,7 @@ class Mark:
 
 
 class Take:
-    """Any thread may call; ``ended_s`` and ``done`` are its recorder's."""
+    """Any thread may call; ``ended_s``, ``findings`` and ``done`` are its recorder's."""
 
     def __init__(
         self,
@@ -47,6 +47,7 @@ class Take:
         self.writer = writer
         self.began_s = time.monotonic()
         self.ended_s: float | None = None
+        self.findings: tuple[Finding, ...] | None = None  # once it has ended
         self.done = threading.Event()
         self._sound, self._motion, self._told, self._planned_s = sound, motion, told, planned_s
         self._marks: tuple[Mark, ...] = ()

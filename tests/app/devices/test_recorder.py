@@ -473,3 +473,20 @@ def test_closing_in_the_middle_of_a_recording_brings_it_to_its_end(bench):
     assert journal_of(folder)[-1]["event"] == "stopped"
     assert not one.mic.is_running
     assert not one.ball.is_running
+
+
+def test_what_waits_to_be_decoded_when_it_is_stopped_is_in_the_recording(bench, monkeypatch):
+    one = bench()
+    folder = one.recorder.start()
+    one.move(10)
+    place, waits = one.recorder._motion.timeline.place, threading.Event()
+
+    def slowly(*arguments):
+        waits.wait(0.5)
+        return place(*arguments)
+
+    monkeypatch.setattr(one.recorder._motion.timeline, "place", slowly)
+    for nth in range(5):
+        one.ball.give(sent(motion(100, 10 + 100 * nth)), one.begun_s + 0.25 * (nth + 1))
+    one.recorder.stop()
+    assert len(motion_of(folder)) == 510
