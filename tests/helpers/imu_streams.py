@@ -2,6 +2,7 @@
 
 import binascii
 import struct
+from functools import cache
 
 import numpy as np
 
@@ -49,6 +50,11 @@ def ximu3_text(kind, time_us, *values):
 
 def messages(protocol, count, **options):
     """One message a sample."""
+    return list(_messages(protocol, count, **options))
+
+
+@cache
+def _messages(protocol, count, **options):
     write = {
         "frames": frame,
         "csv": csv_line,
@@ -57,4 +63,4 @@ def messages(protocol, count, **options):
         "ximu3_text": lambda _n, t, a, w: ximu3_text("I", t, *w, *a),
     }[protocol]
     rows = zip(*samples(count, **options), strict=True)
-    return [write(number, int(time_us), acc, gyr) for number, (time_us, acc, gyr) in enumerate(rows)]
+    return tuple(write(number, int(time_us), acc, gyr) for number, (time_us, acc, gyr) in enumerate(rows))
