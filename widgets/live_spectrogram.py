@@ -119,9 +119,7 @@ class LiveSpectrogram(PaintedWidget):
 
     def plot_rect(self) -> QRectF:
         """Return where the sound is drawn."""
-        metrics = self._theme.metrics()
-        left = metrics.horizontalAdvance("30kHz ")
-        return QRectF(self.rect()).adjusted(left + 4, 4, -4, -1.4 * metrics.height())
+        return QRectF(self.rect()).adjusted(plot_left(self._theme), 4, -4, -1.4 * self._theme.metrics().height())
 
     def y_of(self, frequency_hz: float) -> float:
         """Return the pixel of a frequency."""
@@ -183,6 +181,11 @@ class LiveSpectrogram(PaintedWidget):
             below, Qt.AlignmentFlag.AlignLeft, self.tr("{seconds} s ago").format(seconds=round(self._span_s))
         )
         painter.drawText(below, Qt.AlignmentFlag.AlignRight, self.tr("now"))
+
+
+def plot_left(theme: Theme) -> float:
+    """Return how much the axis of frequencies takes at the left of a picture."""
+    return 4.0 + theme.metrics().horizontalAdvance("30kHz ")
 
 
 def _pixel(colour: str) -> int:

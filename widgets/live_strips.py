@@ -9,6 +9,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from widgets.live_spectrogram import plot_left
 from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import number_text
 from widgets.plot_theme import LIGHT, Theme
@@ -171,8 +172,9 @@ class LiveStrips(PaintedWidget):
         theme, metrics = self._theme, self._theme.metrics()
         painter.setFont(theme.font())
         each = self.height() / max(len(self._kinds), 1)
+        left = plot_left(theme)  # as the spectrogram above: one moment stands below the other
         for number, kind in enumerate(self._kinds):
-            rect = QRectF(4, number * each + 1, self.width() - 8, each - 3)
+            rect = QRectF(left, number * each + 1, self.width() - left - 4, each - 3)
             painter.fillRect(rect, QColor(theme.canvas))
             strip = self._strips[number] if self._strips else None
             if strip is not None:

@@ -139,9 +139,10 @@ class RecordingPanel(QWidget):
     def counts_text(self, status: RecordingStatus) -> str:
         """Return the counters in words, those at zero left out but for the ones that matter."""
         sound, motion = status.sound, status.motion
+        lost_s = sound.lost_frames / sound.sample_rate_hz if sound.sample_rate_hz else 0.0
         parts = [
             self.tr("IMU lost: {count}").format(count=count_text(motion.lost)),
-            self.tr("sound lost: {count}").format(count=count_text(sound.lost_frames)),
+            self.tr("sound lost: {seconds} s").format(seconds=number_text(lost_s, 3 if lost_s else 0, self.locale())),
             self.tr("gaps: {count}").format(count=count_text(sound.gaps + motion.gaps)),
         ]
         for count, text in (

@@ -2995,8 +2995,8 @@ kapatılıyor …</translation>
         <translation>yeniden başlama: {count}</translation>
     </message>
     <message>
-        <source>sound lost: {count}</source>
-        <translation>ses kaybı: {count}</translation>
+        <source>sound lost: {seconds} s</source>
+        <translation>ses kaybı: {seconds} s</translation>
     </message>
     <message>
         <source>■  Once more
