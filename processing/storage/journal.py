@@ -35,7 +35,7 @@ class JournalEvent(StrEnum):
     SOUND_STATE = "sound_state"  # state: LinkState, device
     SOUND_GAP = "sound_gap"  # frame, frames, reason: as many zeros stand in the file from that frame on
     MOTION_STATE = "motion_state"  # state: LinkState, device
-    MOTION_GAP = "motion_gap"  # start_s, end_s (survey time of the last before and the first after), lost, reason
+    MOTION_GAP = "motion_gap"  # start_s, end_s (survey time), lost, reason: no samples between the two
     MOTION_RESTART = "motion_restart"  # time_us: the device's clock began anew and was put on here
     DISC_LOW = "disc_low"  # seconds_left, free_bytes
     FAULT = "fault"  # code of the error, reason: why the recording ended by itself
