@@ -101,7 +101,7 @@ class MotionIntake:
         self._link_state, self._reason = LinkState.WAITING, ""
         self._looked = LinkState.WAITING
         self._last_sample_s: float | None = None
-        self._lost_since_s: float | None = None
+        self._was_lost = self._is_again = False
         self._unknown_bytes = 0
         self._arrivals: deque[tuple[float, int]] = deque()  # host time, samples since the beginning
         self._came = 0
@@ -209,7 +209,7 @@ class MotionIntake:
         device = self._link.device or str(self.choice)
         self._told.note(JournalEvent.MOTION_STATE, state=state.value, device=device, reason=reason)
         if state is LinkState.LOST and before in (LinkState.LIVE, LinkState.SILENT):
-            self._lost_since_s = self._last_sample_s or now
+            self._was_lost = True
             self._told.tell("recorder_imu_lost", Severity.WARNING, device=device)
         if state is LinkState.LIVE and before in (LinkState.LOST, LinkState.WAITING):
             self._queue.put((b"", now))  # in its place among the bytes: what was torn is forgotten
@@ -251,6 +251,7 @@ class MotionIntake:
     def _take(self, data: bytes, host_s: float) -> None:
         if not data:
             self._decoder.restart()
+            self._is_again = True
             return
         frames = self._decoder.feed(data)
         self._look_at_garbage()
@@ -265,8 +266,8 @@ class MotionIntake:
         placed = self._timeline.place(frames, host_s, self._decoder.has_time)
         self._came += len(frames)
         self._note_arrival(host_s)
-        self._last_sample_s = host_s
         self._tell_return(host_s)
+        self._last_sample_s = host_s
         self._look_at_clock(host_s)
         if len(placed.frames):
             if self._sink is not None:
@@ -325,9 +326,12 @@ class MotionIntake:
             self._told.add_up("recorder_imu_refused", Severity.MASKED, bytes=refused)
 
     def _tell_return(self, host_s: float) -> None:
-        if self._lost_since_s is not None:
-            gap_s, self._lost_since_s = host_s - self._lost_since_s, None
-            self._told.tell("recorder_imu_back", Severity.MASKED, gap_s=gap_s)
+        if not self._is_again:  # what comes may still be from before the loss
+            return
+        self._is_again = False
+        if self._was_lost and self._last_sample_s is not None:
+            self._told.tell("recorder_imu_back", Severity.MASKED, gap_s=host_s - self._last_sample_s)
+        self._was_lost = False
 
     def _look_at_clock(self, host_s: float) -> None:
         """Keep what others may ask at any moment, twice a second."""

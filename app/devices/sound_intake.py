@@ -249,7 +249,7 @@ class SoundIntake:
         lost = 0 if is_first else block.lost_before  # what was lost before a recording is no gap in it
         if lost:
             self._gap(lost, first - lost, block, rate_hz)
-        elif self._lost_since_s is not None:
+        elif self._lost_since_s is not None and self._state is LinkState.LIVE:  # else it may be from before the loss
             self._tell_return(block)
         if self._sink is not None:
             self._write(self._sink, first, block)

@@ -490,3 +490,18 @@ def test_what_waits_to_be_decoded_when_it_is_stopped_is_in_the_recording(bench, 
         one.ball.give(sent(motion(100, 10 + 100 * nth)), one.begun_s + 0.25 * (nth + 1))
     one.recorder.stop()
     assert len(motion_of(folder)) == 510
+
+
+def test_what_was_still_on_its_way_when_the_imu_went_is_not_taken_for_its_return(bench):
+    one = bench()
+    one.recorder.start()
+    one.move(400)
+    for nth in range(3):
+        one.ball.give(sent(motion(40, 400 + 40 * nth)), one.begun_s + 1.1 + 0.1 * nth)
+    one.ball.go(LinkState.LOST, "imu_unplugged")
+    wait_until(lambda: one.recorder.status().motion.samples == 520)
+    assert one.codes() == ["recorder_imu_lost"]
+    one.ball.give(sent(motion(40, 2000)), one.begun_s + 5.1)
+    wait_until(lambda: one.recorder.status().motion.samples == 560)
+    back = next(finding for finding in one.recorder.status().findings if finding.code == "recorder_imu_back")
+    assert back.params["gap_s"] == pytest.approx(5.1 - 1.3)
