@@ -167,6 +167,9 @@ def run(case: Case, folder: Path, seconds: float, rate_hz: float, audio_rate_hz:
     for stretch in imported.not_assessed:
         key = f"{stretch.channel}:{stretch.reason}"
         outcome.marked_s[key] = outcome.marked_s.get(key, 0.0) + stretch.end_s - stretch.start_s
+    for gap in imported.audio.gaps if imported.audio is not None else ():
+        key = f"sound:{gap.reason}"
+        outcome.marked_s[key] = outcome.marked_s.get(key, 0.0) + gap.end_s - gap.start_s
     for line in (original / "recording.jsonl").read_text(encoding="utf-8").splitlines():
         event = json.loads(line)["event"]
         outcome.events[event] = outcome.events.get(event, 0) + 1
