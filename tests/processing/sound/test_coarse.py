@@ -36,6 +36,12 @@ def finished(source, tmp_path_factory):
     return scan(source, SETTINGS, out_dir=tmp_path_factory.mktemp("scan"))
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """Leave nothing out for want of time: this machine may be busy."""
+    monkeypatch.setattr(coarse, "_PATIENCE_S", 60.0)
+
+
 def test_the_first_look_shows_the_course_of_the_levels_and_a_tone(source, finished):
     tiles = CoarseTiles(source, GrowingPass())
     looked = tiles.columns(0, SECONDS, 200, "mean")
