@@ -189,6 +189,7 @@ class MainWindow(QMainWindow):
         self.recording.page_asked.connect(self.show_page)
         self.recording.process_asked.connect(self.files.open_path)
         self.recording.changed.connect(self._show_enabled)
+        self.recording.recorded.connect(lambda: self.start_page.set_recent(self._preferences.values.recent))
         self.recording.close_asked.connect(self.close)
         self.start_page.record_asked.connect(self.recording.show)
         self.start_page.open_asked.connect(self.files.ask_open)

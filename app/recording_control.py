@@ -287,6 +287,7 @@ class RecordingControl(QObject):
         self._folder = folder
         self._release()
         if folder is not None:
+            self._preferences.remember_recent(folder)
             text = self.tr("Recorded {time} as {name}").format(time=elapsed, name=folder.name)
             self._page.show_done(text)
         self._show_button()

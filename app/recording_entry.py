@@ -30,6 +30,7 @@ class RecordingEntry(QObject):
     told = Signal(str)
     process_asked = Signal(object)  # Path
     changed = Signal()  # what can be done has changed
+    recorded = Signal()  # a recording has ended
     close_asked = Signal()  # the recording that kept the window open has ended
 
     def __init__(
@@ -197,6 +198,7 @@ class RecordingEntry(QObject):
         self.strip.setVisible(shown)
 
     def _on_stopped(self) -> None:
+        self.recorded.emit()
         if self._close_when_stopped:
             self._close_when_stopped = False
             self.close_asked.emit()

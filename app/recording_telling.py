@@ -13,7 +13,7 @@ from app.recording_parts import RecordingWish
 from processing import messages
 from processing.errors import LeaklineError
 from processing.live.stream import DiscStatus, LinkState, MotionStatus, RecordingState, RecordingStatus, SoundStatus
-from processing.survey import Severity
+from processing.survey import Finding, Severity
 from widgets.device_form import NONE
 
 BATTERY_EVERY_S = 10.0
@@ -35,13 +35,14 @@ class RecordingTelling:
         self._page, self._calls, self._battery, self._monotonic = page, calls, battery, monotonic
         self._battery_s = self._space_s = -1e9
         self._free: tuple[Path, int] | None = None
-        self._findings = 0
+        self._findings: tuple[Finding, ...] = ()
+        self._lines: list[str] = []  # the same as sentences
         self._trouble = ""  # what went wrong outside a recorder
         self._banner, self._banner_until_s = "", 0.0
 
     def forget(self) -> None:
         """Another recorder, or another recording: what it tells is new."""
-        self._findings, self._trouble = 0, ""
+        self._findings, self._lines, self._trouble = (), [], ""
 
     def fail(self, error: Exception) -> None:
         """Tell what the operator can mend; anything else is our fault, and the crash guard's."""
@@ -89,10 +90,14 @@ class RecordingTelling:
         )
 
     def _show_findings(self, status: RecordingStatus, now: float) -> None:
-        lines = [messages.finding_sentence(finding, self._page.language) for finding in status.findings]
-        if len(lines) > self._findings and status.findings[-1].severity is Severity.WARNING:
-            self._warn(lines[-1])
-        self._findings = len(lines)
+        findings = status.findings
+        if findings != self._findings:  # some hundred sentences are not to be made ten times a second
+            self._lines = [messages.finding_sentence(finding, self._page.language) for finding in findings]
+            is_new = bool(findings) and (not self._findings or findings[-1] != self._findings[-1])
+            if is_new and findings[-1].severity is Severity.WARNING:
+                self._warn(self._lines[-1])
+            self._findings = findings
+        lines = self._lines
         banner = self._banner if now < self._banner_until_s else ""
         lost = [
             "⚠ " + badge.text.partition(" · ")[0]

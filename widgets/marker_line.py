@@ -61,6 +61,7 @@ class MarkerLine(QFrame):
         self._title = QLabel()
         self._title.setTextFormat(Qt.TextFormat.PlainText)
         self._places: dict[str, float | None] = {}
+        self._offered_m: float | None = None  # what stands in the number's field without having been typed
         self.name = _NameField()
         self.name.setObjectName("marker_name")
         self.name.setMinimumHeight(44)
@@ -102,13 +103,20 @@ class MarkerLine(QFrame):
         name, chainage_m = places[likely] if likely is not None else ("", None)
         self.name.setText(name)
         self.name.selectAll()
-        self.chainage.set_value(chainage_m)
+        self._offer(chainage_m)
         self.show()
         self.name.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def _on_name(self, text: str) -> None:
+        """Put in the chainage of a place that is known; that of another place must not stay under a new name."""
         if text in self._places:
-            self.chainage.set_value(self._places[text])
+            self._offer(self._places[text])
+        elif self._offered_m is not None and self.chainage.text() == number_text(self._offered_m):
+            self._offer(None)
+
+    def _offer(self, chainage_m: float | None) -> None:
+        self._offered_m = chainage_m
+        self.chainage.set_value(chainage_m)
 
     def _finish(self) -> None:
         self.chainage.editingFinished.emit()

@@ -176,7 +176,7 @@ class RecordingPanel(QWidget):
         if not disc.free_bytes and disc.seconds_left is None:
             self._say(self.disc, "")
             return
-        size = number_text(disc.free_bytes / 1e9, 1, self.locale())
+        size = number_text(disc.free_bytes / 1e9, 0 if disc.free_bytes > 10e9 else 1, self.locale())
         if disc.seconds_left is None:
             self._say(self.disc, self.tr("disc: {size} GB free").format(size=size))
             return

@@ -261,13 +261,13 @@ def test_process_now_hands_the_folder_on_and_record_another_opens_the_devices_ag
 def test_counters_disc_and_battery_warn_in_words(bench):
     bench.record()
     bench.laptop.left = Battery(0.11, plugged=False)
-    bench.recorder.change_motion(lost=1234)
+    bench.recorder.change_motion(lost=234)
     bench.recorder.change_disc(seconds_left=600.0, synced_host_s=bench.clock.now_s - 0.4)
     bench.clock.now_s += 20.0
     bench.recorder.change_disc(synced_host_s=bench.clock.now_s - 0.4)
     bench.control.look()
     panel = bench.page.panel
-    assert "1234" in panel.counts.text()
+    assert "234" in panel.counts.text()
     assert "⚠" in panel.disc.text()
     assert "11 %" in panel.battery.text()
     assert "⚠" in panel.battery.text()
@@ -371,6 +371,24 @@ def test_expected_places_are_offered_in_their_order(bench):
     line.given_up.emit()
     bench.wait()
     assert bench.recorder.points[0].chainage_m == 120.5
+
+
+def test_another_name_takes_the_offered_chainage_away_but_not_a_typed_one(bench):
+    bench.page.form.set_places("valve 12 = 120.5\nhydrant 3 = 240")
+    bench.record()
+    line = bench.page.markers.line
+    bench.control.markers.mark()
+    QTest.keyClicks(line.name, "manhole")
+    assert line.chainage.text() == ""
+    line.name.selectAll()
+    QTest.keyClicks(line.name, "hydrant 3")
+    assert line.chainage.text() == "240"
+    line.chainage.selectAll()
+    QTest.keyClicks(line.chainage, "237")
+    QTest.keyClicks(line.name, " old")
+    QTest.keyClick(line.name, Qt.Key.Key_Return)
+    bench.wait()
+    assert [(point.name, point.chainage_m) for point in bench.recorder.points] == [("hydrant 3 old", 237.0)]
 
 
 def test_a_marker_that_cannot_be_stored_is_told_and_not_listed(bench):

@@ -3,7 +3,7 @@
 import pytest
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QPushButton, QToolButton
+from PySide6.QtWidgets import QApplication, QListWidget, QPushButton, QToolButton
 from scripted_recorder import Laptop
 
 from app.application import Application
@@ -123,6 +123,8 @@ def test_a_run_by_keys_alone(window, hand, laptop, monkeypatch):
     assert laptop.recorder.current.state is RecordingState.RECORDING
     hand.press(KEY.Key_F5, after_s=1.0)
     assert laptop.recorder.current.state is RecordingState.STOPPED
+    recent = window.findChild(QListWidget, "recent")  # who does not process it now finds it there
+    assert recent.item(0).text().startswith(laptop.folder.stem)
     QTest.mouseClick(window.recording.page.process, LEFT)
     assert opened[-1] == laptop.folder
 
