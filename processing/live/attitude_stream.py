@@ -17,12 +17,25 @@ _ESTIMATOR = "eskf"
 
 @dataclass(frozen=True)
 class OrientedRows:
-    """Trusted rows (k,) with their attitude: ``rate_s_radps`` without the gyro's offset, ``acc_s_mps2`` as it came."""
+    """Trusted rows (k,) with their attitude: ``rate_s_radps`` is calibrated, the others are as they came."""
 
     time_s: FloatArray
     acc_s_mps2: FloatArray
+    gyr_s_radps: FloatArray
     rate_s_radps: FloatArray
     quat_ws: FloatArray
+
+    def part(self, rows: slice) -> "OrientedRows":
+        """Return some of the rows."""
+        return OrientedRows(*(getattr(self, name)[rows] for name in _FIELDS))
+
+
+_FIELDS = ("time_s", "acc_s_mps2", "gyr_s_radps", "rate_s_radps", "quat_ws")
+
+
+def joined_rows(parts: list[OrientedRows]) -> OrientedRows:
+    """Return rows that follow each other as one."""
+    return OrientedRows(*(np.concatenate([getattr(p, name) for p in parts]) for name in _FIELDS))
 
 
 class AttitudeStream:
@@ -33,7 +46,9 @@ class AttitudeStream:
         self._settings, self._yaw_rad, self._name = settings, yaw_rad, name
         self.rest = RestWatch(settings)
         self._held: list[ImuSamples] = []  # before the attitude begins
-        self._waiting: list[tuple[FloatArray, FloatArray, FloatArray]] = []  # rows whose attitude is to come
+        self._waiting: list[
+            tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+        ] = []  # rows whose attitude is to come
         self._live: LiveAttitude | None = None
         self._found: Calibration | None = None  # what the way itself has told
 
@@ -84,7 +99,7 @@ class AttitudeStream:
             self._live.recalibrate(self.calibration())
         calibration = self.calibration()
         rate = calibration.corrected(rows.time_s, rows.gyr_s_radps) - self._live.bias_radps
-        self._waiting.append((rows.time_s, rows.acc_s_mps2, rate))
+        self._waiting.append((rows.time_s, rows.acc_s_mps2, rows.gyr_s_radps, rate))
         times, quats = self._live.add(rows)
         return self._taken(len(times), quats)
 
@@ -95,12 +110,14 @@ class AttitudeStream:
     def _taken(self, count: int, quats: FloatArray) -> OrientedRows:
         if count == 0:
             return _NO_ROWS
-        time_s, acc, rate = (np.concatenate(column) for column in zip(*self._waiting, strict=True))
-        self._waiting = [(time_s[count:], acc[count:], rate[count:])] if count < len(time_s) else []
-        return OrientedRows(time_s[:count], acc[:count], rate[:count], quats)
+        time_s, acc, gyr, rate = (np.concatenate(column) for column in zip(*self._waiting, strict=True))
+        left = slice(count, None)
+        self._waiting = [(time_s[left], acc[left], gyr[left], rate[left])] if count < len(time_s) else []
+        return OrientedRows(time_s[:count], acc[:count], gyr[:count], rate[:count], quats)
 
 
-_NO_ROWS = OrientedRows(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), np.tile(qt.IDENTITY, (0, 1)))
+_NONE = np.zeros((0, 3))
+_NO_ROWS = OrientedRows(np.zeros(0), _NONE, _NONE, _NONE, np.tile(qt.IDENTITY, (0, 1)))
 
 
 def _joined(parts: list[ImuSamples]) -> ImuSamples:

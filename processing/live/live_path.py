@@ -6,16 +6,15 @@ scale and turn carry the path on.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from processing.errors import LeaklineError
-from processing.live.attitude_stream import AttitudeStream, OrientedRows
-from processing.live.look_back import LookBack
-from processing.live.path_history import PathHistory, shifted
+from processing.live.attitude_stream import AttitudeStream
+from processing.live.path_history import PathHistory
 from processing.live.picture import LivePolyline, LivePose
-from processing.live.rolling_steps import RollingSteps
-from processing.live.windowed_steps import WindowedSteps
+from processing.live.trails import LONG_GAP_S, trail_of
 from processing.orientation import quaternions as qt
 from processing.orientation.start import yaw_towards
 from processing.position.evidence import Evidence
@@ -23,13 +22,14 @@ from processing.position.fitting import fit, prepare
 from processing.position.odometry import GAP_S, Odometry
 from processing.progress import silent
 from processing.settings import Settings
-from processing.survey import Channel, FloatArray, ImuSamples, Launch, Motion, Stretch, Survey, TiePoint, Track
+from processing.survey import Channel, FloatArray, ImuSamples, Launch, Stretch, Survey, TiePoint, Track
 
 _CHUNK_S = 0.045  # rows are worked on in pieces so long at least
 _FIT_S = 2.0
 _KEYFRAMES = 80.0
 _LEAST_WAY_M = 0.05
 _DRAWN = 2000
+_GUESS_SHARE = 0.5  # 1 sigma of what is guessed of the last moment
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,15 @@ class _Laid:
     gain: float
     turn_rad: float
     basis: str
+
+
+@dataclass(frozen=True)
+class _Placed:
+    position_w_m: FloatArray  # (3,)
+    chainage_m: float
+    along_m: float
+    cross_m: float
+    speed_mps: float
 
 
 class LivePath:
@@ -56,19 +65,13 @@ class LivePath:
         self._survey = replace(survey, pipe=replace(survey.pipe, length_m=None))
         self._fitting = replace(settings.position, keyframes=_KEYFRAMES)
         self._stream = AttitudeStream(settings.orientation, _first_yaw(survey))
-        rolling = survey.device.motion is Motion.ROLLING and survey.processing.position in ("auto", "rolling")
-        self._rolling = RollingSteps(survey.device, settings.position) if rolling else None
-        self._back = LookBack(survey, settings)
-        self._shift: FloatArray | None = None  # (16,) from the rolling rows to those of the last look back
-        self._windowed = None if rolling else WindowedSteps(survey, settings.position)
         self._history = PathHistory()
+        self._trail = trail_of(survey, settings, self._stream, self._history)
         self._pending: list[ImuSamples] = []
         self._pending_s = 0.0
         self._fit_s = -np.inf
         self._laid: _Laid | None = None
         self._version = 0
-        self._base: Odometry | None = None
-        self._is_still = True
         self._quat: FloatArray | None = None
         self._now_s = np.nan
         self._gap_end_s = -np.inf
@@ -104,17 +107,18 @@ class LivePath:
         row, laid = self._history.last, self._laid
         turn = laid.turn_rad if laid is not None else 0.0
         quat = qt.multiply(qt.turn_about_up(turn), self._quat)
-        place, chainage, along, cross, speed = self._placed(row)
+        placed = self._placed(row)
+        east, north, up = placed.position_w_m.tolist()
         return LivePose(
             survey_s=self._now_s,
             q_ws=(float(quat[0]), float(quat[1]), float(quat[2]), float(quat[3])),
             heading_deg=self._heading_deg,
-            position_w_m=(float(place[0]), float(place[1]), float(place[2])),
-            chainage_m=chainage,
-            sigma_along_m=along,
-            sigma_cross_m=cross,
-            speed_mps=speed,
-            is_still=self._is_still,
+            position_w_m=(east, north, up),
+            chainage_m=placed.chainage_m,
+            sigma_along_m=placed.along_m,
+            sigma_cross_m=placed.cross_m,
+            speed_mps=placed.speed_mps,
+            is_still=self._trail.is_still,
             is_calibrated=self._stream.is_calibrated,
             heading_basis=laid.basis if laid is not None else "unknown",
             in_gap=self._now_s - self._gap_end_s < 0.5,
@@ -141,67 +145,52 @@ class LivePath:
         rows = self._stream.add(imu)
         if not len(rows.time_s):
             return
-        if self._rolling is not None:
-            found, gaps = self._rolling.add(rows)
-            self._history.extend_tail(found if self._shift is None else shifted(found, self._shift))
-            self._base, self._is_still = self._rolling.base, self._rolling.is_still
-            self._look_back(imu, rows)
-        elif self._windowed is not None:
-            gaps = self._gaps_in(rows.time_s)
-            self._is_still = self._stream.rest.is_resting
-            settled = self._windowed.add(rows, is_resting=self._is_still)
-            if settled is not None:
-                self._history.settle(settled.rows)
-                self._history.set_tail(settled.tail)
-                self._base = self._windowed.base
-        for start, end in gaps:
-            self._history.stretches.append(Stretch(start, end, Channel.PATH, "imu_gap"))
-            self._gap_end_s = end
+        time_s = rows.time_s if np.isnan(self._now_s) else np.concatenate([[self._now_s], rows.time_s])
+        step = np.diff(time_s, prepend=time_s[:1])[len(time_s) - len(rows.time_s) :]
+        for k in np.flatnonzero(step > GAP_S):
+            self._gap_end_s = float(rows.time_s[k])
+            self._history.stretches.append(
+                Stretch(self._gap_end_s - float(step[k]), self._gap_end_s, Channel.PATH, "imu_gap")
+            )
+        cuts = [0, *np.flatnonzero(step[1:] > LONG_GAP_S) + 1, len(step)]
+        for first, last in pairwise(cuts):
+            if self._trail.add(rows.part(slice(first, last)), float(step[first])):
+                self._fit_s = -np.inf
         self._quat, self._now_s = rows.quat_ws[-1], float(rows.time_s[-1])
 
-    def _look_back(self, imu: ImuSamples, rows: OrientedRows) -> None:
-        """Take rows for the next look back over the last minutes; where it is due, go on from what it tells."""
-        self._back.add(imu, is_still=self._is_still)
-        if self._rolling is None or not self._back.is_due or self._stream.is_waiting:
-            return
-        seen = self._back.look()
-        self._history.settle(seen.settled)
-        self._history.set_tail(seen.tail)
-        self._shift = seen.tail[-1] - self._rolling.row()
-        turn = float(yaw_towards(rows.quat_ws[-1], seen.quat_ws))
-        self._stream.learn(seen.calibration, turn)
-        self._rolling.turn(turn)
-        self._fit_s = -np.inf  # the path goes on in another frame
-
-    def _gaps_in(self, time_s: FloatArray) -> list[tuple[float, float]]:
-        whole = time_s if np.isnan(self._now_s) else np.concatenate([[self._now_s], time_s])
-        return [(float(whole[k]), float(whole[k + 1])) for k in np.flatnonzero(np.diff(whole) > GAP_S)]
-
-    def _placed(self, row: FloatArray) -> tuple[FloatArray, float, float, float, float]:
-        """Return place, chainage, both sigmas and speed at a row of the free path, carried on from the last fit."""
-        laid = self._laid
+    def _placed(self, row: FloatArray) -> _Placed:
+        """Return where a row (16,) of the free path lies, carried on from the last fit, and from the row until now."""
+        laid, base = self._laid, self._trail.base
         if laid is None:
-            start = 0.02 if self._base is None else self._base.start_sigma_m
-            return row[1:4], float(row[4]), start, start, float(row[5])
+            start = 0.02 if base is None else base.start_sigma_m
+            return _Placed(row[1:4], float(row[4]), start, start, float(row[5]))
         track, odometry = laid.track, laid.odometry
-        step = row[1:4] - odometry.position_w_m[-1]
+        late_s = max(self._now_s - float(row[0]), 0.0)  # a window is reckoned only every second or two
+        onward = late_s * self._trail.pace_w_mps
+        step = row[1:4] - odometry.position_w_m[-1] + onward
         c, s = np.cos(laid.turn_rad), np.sin(laid.turn_rad)
         moved = laid.gain * np.array([c * step[0] - s * step[1], s * step[0] + c * step[1], step[2]])
+        guessed = laid.gain * float(np.hypot(onward[0], onward[1]))
         way = float(row[4] - odometry.chainage_m[-1])
         since = row[[10, 11, 14]] - [odometry.along_var_m2[-1], odometry.cross_var_m2[-1], _last(odometry.lost_var_m2)]
-        along = float(np.sqrt(track.sigma_along_m[-1] ** 2 + since[0] + since[2]))
-        cross = float(np.sqrt(track.sigma_cross_m[-1] ** 2 + since[1]))
+        along, cross, lost = np.maximum(since, 0.0)  # a window reckoned anew may have become surer
         speed = laid.gain * float(row[5])
         if speed > 0.05 and float(np.hypot(moved[0], moved[1])) > 0.02:
             self._heading_deg = float(np.degrees(np.arctan2(moved[0], moved[1])) % 360.0)
-        return track.position_w_m[-1] + moved, float(track.chainage_m[-1]) + laid.gain * way, along, cross, speed
+        return _Placed(
+            track.position_w_m[-1] + moved,
+            float(track.chainage_m[-1]) + laid.gain * way + guessed,
+            float(np.sqrt(track.sigma_along_m[-1] ** 2 + along + lost + (_GUESS_SHARE * guessed) ** 2)),
+            float(np.sqrt(track.sigma_cross_m[-1] ** 2 + cross + (_GUESS_SHARE * guessed) ** 2)),
+            speed,
+        )
 
     def _fit(self) -> None:
         """Lay the way so far onto all that is known."""
         self._fit_s = float(self._history.last[0])
-        if self._base is None or len(self._history) < 3 or self._history.last[4] < _LEAST_WAY_M:
+        if self._trail.base is None or len(self._history) < 3 or self._history.last[4] < _LEAST_WAY_M:
             return
-        odometry = self._history.odometry(self._base)
+        odometry = self._history.odometry(self._trail.base)
         try:
             laid = self._fitted(odometry)
         except LeaklineError as error:

@@ -70,13 +70,13 @@ class RestWatch:
     def calibration(self) -> Calibration:
         """Return what the rests so far have told."""
         known = self.rests > 0
-        gravity = self._gravity_sum / self._gravity_count if self._gravity_count else STANDARD_GRAVITY_MPS2
+        gravity = self._gravity_sum / self._gravity_count if self._gravity_count else 0.0
         return Calibration(
             bias_time_s=np.array([self._at_s]),
             bias_radps=self._bias[None].copy(),
             bias_sigma_radps=np.full((1, 3), self._sigma),
             basis="rest" if known else "none",
-            gravity_mps2=gravity,
+            gravity_mps2=gravity if gravity > 0.0 else STANDARD_GRAVITY_MPS2,  # a dead accelerometer reads none
         )
 
     def _close(self, whole: _Bin) -> bool:

@@ -54,6 +54,7 @@ class LookBack:
         self._moved_s = 0.0  # since the last look
         self._wait_s = _FIRST_S
         self._period_s = np.nan
+        self._calibration: Calibration | None = None  # of the last look
 
     def add(self, imu: ImuSamples, *, is_still: bool) -> None:
         """Take trusted rows (m,)."""
@@ -66,6 +67,12 @@ class LookBack:
         self._parts.append(_thinned(imu, width))
         if not is_still:
             self._moved_s += float(imu.time_s[-1] - before)
+
+    def begin_anew(self, joint: FloatArray) -> None:
+        """Forget the window but its last rest; the path goes on from ``joint`` (16,), at the time of the next row."""
+        if self._parts and self._calibration is not None:
+            self._keep_rest(_joined(self._parts), self._calibration, float(joint[0]))
+        self._parts, self._joint, self._moved_s = [], joint, 0.0
 
     @property
     def is_due(self) -> bool:
@@ -85,6 +92,7 @@ class LookBack:
         rest = 0 if self._rest is None else len(self._rest.time_s)
         whole = window if self._rest is None else _joined([self._rest, window])
         attitude, calibration, _ = estimate_attitude(whole, self._survey, self._orientation, silent())
+        self._calibration = calibration
         bias = attitude.bias_radps if attitude.bias_radps.ndim == 1 else attitude.bias_radps[rest:]
         attitude = replace(attitude, quat_ws=attitude.quat_ws[rest:], bias_radps=bias)
         odometry = held_back(rolling.reckon(window, attitude, self._survey, self._settings.position, silent()))
@@ -102,9 +110,10 @@ class LookBack:
         return Seen(end_s, settled, thinned(fresh), table[-1, QUAT], calibration)
 
     def _keep_rest(self, whole: ImuSamples, calibration: Calibration, cut_s: float) -> None:
-        before = [r for r in calibration.rests if r.end_s <= cut_s]
+        before = [r for r in calibration.rests if whole.time_s[0] <= r.start_s and r.end_s <= cut_s]
         if before:
-            self._rest = _between(whole, max(before[-1].start_s, before[-1].end_s - _REST_S), before[-1].end_s)
+            kept = _between(whole, max(before[-1].start_s, before[-1].end_s - _REST_S), before[-1].end_s)
+            self._rest = kept if len(kept.time_s) else self._rest
 
 
 def _thinned(imu: ImuSamples, width: int) -> ImuSamples:

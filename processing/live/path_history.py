@@ -90,6 +90,11 @@ class PathHistory:
         """Add rows (k, 16) that will not change, later than all before; the tail is to be set anew."""
         self._settled.append(rows)
 
+    def settle_tail(self) -> None:
+        """Let the tail as it is now not change any more."""
+        self._settled.append(self._tail.rows)
+        self._tail.clear()
+
     def extend_tail(self, rows: FloatArray) -> None:
         """Let rows (k, 16), later than all before, follow."""
         self._tail.append(rows)

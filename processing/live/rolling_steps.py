@@ -47,12 +47,11 @@ class RollingSteps:
         self._heading_var = 0.0
         self.is_still = True
 
-    def add(self, rows: OrientedRows) -> tuple[FloatArray, list[tuple[float, float]]]:
-        """Take rows (m,); return new rows of the path (k, 16; see ``path_history``) and gaps before or among them."""
-        out: list[FloatArray] = []
-        gaps: list[tuple[float, float]] = []
+    def add(self, rows: OrientedRows) -> FloatArray:
+        """Take rows (m,); return new rows of the path (k, 16; see ``path_history``)."""
         if not len(rows.time_s):
-            return np.zeros((0, WIDTH)), gaps
+            return np.zeros((0, WIDTH))
+        out: list[FloatArray] = []
         rates = self._rates(rows)
         starts = np.flatnonzero(np.diff(rows.time_s, prepend=self._time_s) > GAP_S)  # nan at first: none
         for part in np.split(np.arange(len(rows.time_s)), starts):
@@ -63,10 +62,9 @@ class RollingSteps:
                 self._begin(first, rates[part[0]])
                 out.append(self._path_row(first, rows.quat_ws[part[0]], np.zeros(3)))
             elif first - self._time_s > GAP_S:
-                gaps.append((self._time_s, first))
                 out.append(self._over_gap(first, rates[part[0]], rows.quat_ws[part[0]]))
             out += self._advance(rows.time_s[part], rates[part], rows.quat_ws[part])
-        return np.array(out).reshape(-1, WIDTH), gaps
+        return np.array(out).reshape(-1, WIDTH)
 
     def turn(self, angle_rad: float) -> None:
         """Go on with attitudes that are turned about up by so much."""

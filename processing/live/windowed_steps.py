@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from processing.live.attitude_stream import OrientedRows
+from processing.live.attitude_stream import OrientedRows, joined_rows
 from processing.live.path_history import laid, row_at
 from processing.position.odometry import Odometry, held_back
 from processing.position.registry import METHODS
@@ -24,6 +24,7 @@ _CARRIED_SPAN_S = 90.0  # without a rest: then it is cut anyway
 _OVERLAP_S = (8.0, 5.0, 3.0)  # the next window begins and the settled path ends so long before now
 _REST_S = 1.0
 _LEAST_S = 1.0
+_LEAST_ROWS = 25
 _ENERGY_S = 0.15
 
 
@@ -52,6 +53,11 @@ class WindowedSteps:
         self.base: Odometry | None = None
         self.is_still = True
 
+    def begin_anew(self, joint: FloatArray | None) -> None:
+        """Forget the window; the path goes on from ``joint`` (16,), at the time of the next row."""
+        self._parts, self._joint = [], joint
+        self._due_s, self._rest_since_s = -np.inf, np.nan
+
     def add(self, rows: OrientedRows, *, is_resting: bool) -> Settled | None:
         """Take rows (m,); return the path where it was reckoned anew, None where not yet."""
         if not len(rows.time_s):
@@ -64,13 +70,13 @@ class WindowedSteps:
         elif np.isnan(self._rest_since_s):
             self._rest_since_s = now
         began = float(self._parts[0].time_s[0])
-        if now < self._due_s or now - began < _LEAST_S:
+        if now < self._due_s or now - began < _LEAST_S or sum(len(p.time_s) for p in self._parts) < _LEAST_ROWS:
             return None
         self._due_s = now + max(_EVERY_S, _EVERY_SHARE * (now - began))
         return self._reckoned(now)
 
     def _reckoned(self, now: float) -> Settled:
-        window = _joined(self._parts)
+        window = joined_rows(self._parts)
         self._parts = [window]
         reckon = METHODS[self.method].reckon
         imu = ImuSamples(window.time_s, window.acc_s_mps2, window.rate_s_radps, np.ones(len(window.time_s), np.bool_))
@@ -85,7 +91,7 @@ class WindowedSteps:
         anchor_s, cut_s = cut
         done = fresh[fresh[:, 0] <= cut_s]
         self._joint = row_at(table, cut_s)
-        self._parts = [_since(window, anchor_s)]
+        self._parts = [window.part(slice(int(np.searchsorted(window.time_s, anchor_s)), None))]
         return Settled(np.vstack([done, self._joint]), fresh[len(done) :])
 
     def _cut(self, window: OrientedRows, now: float) -> tuple[float, float] | None:
@@ -111,15 +117,3 @@ def _stillest(window: OrientedRows, start_s: float, end_s: float) -> float:
     period = (window.time_s[-1] - window.time_s[0]) / max(len(window.time_s) - 1, 1)
     width = max(round(_ENERGY_S / period), 1)
     return float(window.time_s[part][int(np.argmin(uniform_filter1d(energy, width, mode="nearest")))])
-
-
-def _joined(parts: list[OrientedRows]) -> OrientedRows:
-    names = ("time_s", "acc_s_mps2", "rate_s_radps", "quat_ws")
-    return OrientedRows(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
-
-
-def _since(window: OrientedRows, time_s: float) -> OrientedRows:
-    first = int(np.searchsorted(window.time_s, time_s))
-    return OrientedRows(
-        window.time_s[first:], window.acc_s_mps2[first:], window.rate_s_radps[first:], window.quat_ws[first:]
-    )
