@@ -15,6 +15,7 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -23,6 +24,9 @@ ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 STAMP = VENV / "leakline-setup.json"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+LAST_FAILED = ".pytest_cache/v/cache/lastfailed"
+SECOND_CHANCES = 8  # more than that is no accident
+PARALLEL_S = 1800.0  # several times what they take
 OLDEST, NEWEST = (3, 11), (3, 13)
 
 # Debian package: what shows that it is there (a shared library, or a program)
@@ -214,16 +218,59 @@ def test(arguments: list[str]) -> int:
         "style": ["ruff", "check", "."],
         "format": ["ruff", "format", "--check", "."],
         "types": ["mypy"],
-        "tests": ["pytest", *(arguments or ["-n", "auto", "--dist", "worksteal"])],
     }
     failed = []
     for name, command in checks.items():
         say(f"checking {name}")
         if subprocess.call([str(PYTHON), "-m", *command], cwd=ROOT) != 0:
             failed.append(name)
+    say("checking tests")
+    if not (all_tests() if not arguments else pytest(*arguments) == 0):
+        failed.append("tests")
     if failed:
         say("failed: " + ", ".join(failed))
     return 1 if failed else 0
+
+
+def all_tests() -> bool:
+    """Run the tests on all processors; a few that fail there have a second chance alone, and it is said which.
+
+    Some of them listen to a real sound server and real terminals in real time: a machine that was busy for a moment is
+    no fault of the program. What fails alone, too, has failed.
+    """
+    (ROOT / LAST_FAILED).unlink(missing_ok=True)
+    status = pytest("-n", "auto", "--dist", "worksteal", limit_s=PARALLEL_S)
+    if status == 0:
+        return True
+    if status is None:
+        say(f"the tests did not end within {PARALLEL_S / 60:.0f} minutes; they are run again one after the other")
+        return pytest() == 0
+    try:
+        again = sorted(json.loads((ROOT / LAST_FAILED).read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return False
+    if not 0 < len(again) <= SECOND_CHANCES:
+        return False
+    say(f"running again alone what failed: {len(again)}")
+    if pytest(*again) != 0:
+        return False
+    say("passed only when run alone: " + ", ".join(again))
+    return True
+
+
+def pytest(*arguments: str, limit_s: float | None = None) -> int | None:
+    """Return the exit status of pytest, None where it did not end in time; then it and its children are killed."""
+    command = [str(PYTHON), "-m", "pytest", *arguments]
+    with subprocess.Popen(command, cwd=ROOT, start_new_session=os.name == "posix") as running:
+        try:
+            return running.wait(limit_s)
+        except BaseException as ended:
+            if os.name == "posix":
+                os.killpg(running.pid, signal.SIGKILL)
+            running.kill()
+            if isinstance(ended, subprocess.TimeoutExpired):
+                return None
+            raise
 
 
 def say(sentence: str) -> None:
