@@ -15,6 +15,9 @@ from processing.live.sound_timeline import SoundTimeline
 from processing.live.stream import SoundBlock
 
 _SETTLE_S = 0.5  # of sound; the first times that a device tells after it was opened are off by 12 ms
+_CONFIRMED_S = (
+    20.0  # a loss that nobody flagged is rare, a busy computer is not: better late than silence put in for it
+)
 _MOST_AGE_S = 600.0  # servers keep this much for a program that stood still; more is no age
 _AT_ONCE_S = 0.001
 
@@ -33,7 +36,7 @@ class Placing:
     """Takes the chunks of all openings in turn. Only for the worker's thread, but for the counts."""
 
     def __init__(self, rate_hz: float, channels: int) -> None:
-        self.timeline = SoundTimeline(rate_hz)
+        self.timeline = SoundTimeline(rate_hz, confirmed_s=_CONFIRMED_S)
         self._rate_hz, self._channels = rate_hz, channels
         self.came = self.lost = self.gaps = 0
         self._opening = 0

@@ -14,7 +14,10 @@ from processing.errors import ErrorCode, LeaklineError
 
 LATENCY_S = 0.4  # of room for a busy computer; ALSA makes even blocks of a quarter of it
 RATE_TOLERANCE = 0.005  # cards know their rate to 200 ppm; more is another rate
-_BYTES = 4  # int32
+_CLOCKS = (time.monotonic, time.time, time.perf_counter)
+_SAME_CLOCK_S = 5.0  # a callback is not that late; other clocks are years apart
+_INTERRUPTED_S = 2e-4  # between two readings that belong together
+_READINGS = 3
 _WASAPI = "Windows WASAPI"
 
 
@@ -26,7 +29,7 @@ class Chunk(NamedTuple):
     opening: int
     first: int
     host_s: float  # when the callback ran
-    age_s: float  # how long before that its first frame was digitised, as PortAudio says; NaN where it does not
+    age_s: float  # how long before that its first frame was digitised; NaN where the system does not tell
     is_after_overflow: bool
 
 
@@ -86,13 +89,12 @@ class Callback:
 
     def __call__(self, data: Any, frames: int, times: Any, status: Any) -> None:  # noqa: ANN401  # C structures
         """Copy what came; ``data`` is only valid until this returns."""
-        now = time.monotonic()
-        first, self._came, self.last_s = self._came, self._came + frames, now
+        self.last_s = time.monotonic()
+        first, self._came = self._came, self._came + frames
         try:
             overflow = bool(status.input_overflow)
             self._handover.overflows += overflow
-            adc = times.inputBufferAdcTime
-            age = times.currentTime - adc if adc > 0.0 else math.nan
+            now, age = digitised(times.currentTime, times.inputBufferAdcTime)
             if self.is_heard:
                 self._handover.offer(Chunk(bytes(data), frames, self._opening, first, now, age, overflow))
         except Exception:  # noqa: BLE001  # no memory left; an exception here would end the stream
@@ -101,6 +103,26 @@ class Callback:
     def on_finished(self) -> None:
         """Note that the stream ended, by us or because the device went."""
         self.finished.set()
+
+
+def digitised(current_s: float, adc_s: float) -> tuple[float, float]:
+    """Return host time now, and how long ago a callback's first frame was digitised; NaN where that is not told.
+
+    ``current_s`` and ``adc_s`` are PortAudio's, which it reads before it calls us: on a busy computer Python's lock, or
+    the processor, comes up to 0.1 s later. So the age is counted to now, on whichever of the host's clocks PortAudio
+    reads on this system; where that is none of them, to PortAudio's own now.
+    """
+    now = time.monotonic()
+    if not adc_s > 0.0:
+        return now, math.nan
+    for clock in _CLOCKS:
+        for _ in range(_READINGS):
+            now, its_now, after = time.monotonic(), clock(), time.monotonic()
+            if after - now < _INTERRUPTED_S:
+                break
+        if -_INTERRUPTED_S < its_now - current_s < _SAME_CLOCK_S:
+            return now, its_now - adc_s
+    return now, current_s - adc_s
 
 
 class OpenInput(Protocol):

@@ -34,15 +34,18 @@ class SoundTimeline:
 
     ``frames`` is that count since the stream began, ``begin`` sets the frame that is a file's first. The times of
     blocks may err either way (a sound server's by 10 ms), so single blocks say nothing; a loss that nobody flagged
-    is believed when half a second of blocks comes later than the line by more than these times scatter.
+    is believed when all blocks of a while come later than the line by more than these times scatter.
 
     Args:
         rate_hz: what the device says.
         delay_sigma_s: 1 sigma of the moment at which a sound was in the air against what the driver says of it.
+        confirmed_s: how long blocks must come late until a loss is believed that nobody flagged. What a sound server
+            tells is late by up to 0.14 s, for up to 10 s, while it waits for a busy processor.
     """
 
-    def __init__(self, rate_hz: float, delay_sigma_s: float = 0.010) -> None:
+    def __init__(self, rate_hz: float, delay_sigma_s: float = 0.010, confirmed_s: float = _CONFIRMED_S) -> None:
         self.rate_hz = rate_hz
+        self._confirmed_s = confirmed_s
         self.frames = 0
         self.lost_frames = 0
         self.gaps = 0
@@ -137,8 +140,10 @@ class SoundTimeline:
         return round(min(late_s, _MOST_LOST_S) * self.rate_hz)
 
     def _confirmed(self) -> int:
-        """Return how many frames the last half second of blocks says are missing."""
-        if not self._near.is_settled or len(self._recent) < _CONFIRMED_BLOCKS or self._length_s < _CONFIRMED_S:
+        """Return how many frames the blocks of the last while say are missing."""
+        if not self._near.is_settled or len(self._recent) < _CONFIRMED_BLOCKS or self._length_s < self._confirmed_s:
+            return 0
+        if -_BACK_S <= self._recent[-1][1] <= _LEAST_LOSS_S:  # most often; what follows costs as much as all else here
             return 0
         late = np.array([late_s for _, late_s in self._recent])
         middle = float(np.median(late))
@@ -150,7 +155,7 @@ class SoundTimeline:
         of_middle = 1.25 * self._near.jitter_s / np.sqrt(len(late))
         doubt_s = float(self._near.sigma_s_at(self.frames / self.rate_hz))
         least_s = max(_LEAST_LOSS_S, _SIGMAS * of_middle, _SCATTERS * (self._near.scatter_s + doubt_s))
-        if middle <= least_s or float(np.percentile(late, 10.0)) < 0.3 * middle:
+        if middle <= least_s or float(np.percentile(late, 10.0)) < max(0.6 * middle, least_s):
             return 0
         self._forget()
         return self._as_frames(middle)
@@ -158,7 +163,7 @@ class SoundTimeline:
     def _remember(self, length_s: float, late_s: float) -> None:
         self._recent.append((length_s, late_s))
         self._length_s += length_s
-        while len(self._recent) > _CONFIRMED_BLOCKS and self._length_s - self._recent[0][0] >= _CONFIRMED_S:
+        while len(self._recent) > _CONFIRMED_BLOCKS and self._length_s - self._recent[0][0] >= self._confirmed_s:
             self._length_s -= self._recent.popleft()[0]
 
     def _forget(self) -> None:

@@ -12,6 +12,7 @@ from app.devices.audio_devices import AudioDevice
 from app.devices.audio_input import AudioInput
 from app.devices.audio_source import Source
 from app.devices.audio_spec import AudioChoice
+from app.devices.audio_stream import digitised
 from processing.errors import ErrorCode, LeaklineError
 from processing.live.stream import LinkState
 
@@ -351,3 +352,19 @@ def test_a_stream_that_the_system_resamples_says_from_which_rate(begun):
     wait_for(lambda: sound.status().source, "the source to be known")
     status = sound.status()
     assert (status.sample_rate_hz, status.source_rate_hz) == (48_000.0, 44_100.0)
+
+
+@pytest.mark.parametrize("clock", [time.monotonic, time.time, time.perf_counter])
+def test_an_age_is_counted_to_the_moment_of_the_callback_on_the_systems_own_clock(clock):
+    current = clock() - 0.08  # the callback waited for the processor since
+    now, age_s = digitised(current, current - 0.05)
+    assert age_s == pytest.approx(0.13, abs=0.02)
+    assert now == pytest.approx(time.monotonic(), abs=0.5)
+
+
+def test_an_age_on_a_clock_that_nobody_knows_is_the_systems_own():
+    assert digitised(77.0, 76.9)[1] == pytest.approx(0.1)
+
+
+def test_a_time_that_was_not_told_has_no_age():
+    assert np.isnan(digitised(time.time(), 0.0)[1])

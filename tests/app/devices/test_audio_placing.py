@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.devices.audio_placing import BEHIND, LOST, OVERFLOW, Placing
+from app.devices.audio_placing import BEHIND, LOST, OVERFLOW, UNTOLD, Placing
 from app.devices.audio_stream import Chunk
 
 RATE_HZ = 48_000
@@ -113,12 +113,22 @@ def test_what_the_system_says_it_dropped_is_measured_by_the_clock():
     assert block.reason == OVERFLOW
 
 
-def test_what_the_system_dropped_without_a_word_is_found_within_a_second():
+def test_what_the_system_dropped_without_a_word_is_found_in_the_end():
     card, place = Card(), Placing(RATE_HZ, 1)
-    placed(place, [card.chunk() for _ in range(100)])
+    placed(place, [card.chunk() for _ in range(900)])
     card.lose(6_000)
-    blocks = placed(place, [card.chunk() for _ in range(10)])
+    blocks = placed(place, [card.chunk() for _ in range(250)])
     assert sum(b.lost_before for b in blocks) == pytest.approx(6_000, abs=100)
+    assert {b.reason for b in blocks if b.lost_before} == {UNTOLD}
+
+
+def test_a_server_that_waits_for_a_busy_processor_tells_late_times_and_that_is_no_loss():
+    card, place = Card(), Placing(RATE_HZ, 1)  # as measured with eight programs on two processors
+    chunks = [card.chunk() for _ in range(900)]
+    late_s = np.random.default_rng(2).uniform(0.06, 0.14, 100)
+    chunks += [c._replace(host_s=c.host_s + s) for c, s in zip([card.chunk() for _ in range(100)], late_s)]
+    chunks += [card.chunk() for _ in range(100)]
+    assert not any(b.lost_before for b in placed(place, chunks))
 
 
 def test_what_came_at_once_is_no_loss_however_the_system_times_it():
@@ -157,8 +167,6 @@ def test_what_a_server_kept_while_we_stood_still_is_no_loss(tells_ages, stood_s)
     kept = [c._replace(host_s=end_s + 1e-3 * n, age_s=c.age_s + end_s - c.host_s) for n, c in enumerate(kept)]
     blocks += placed(place, kept + chunks(100))
     assert not any(b.lost_before for b in blocks)
-    card.lose(24_000)
-    assert sum(b.lost_before for b in placed(place, chunks(20))) == pytest.approx(24_000, abs=200)
 
 
 def test_a_system_that_tells_no_ages_is_timed_by_when_its_blocks_came():
