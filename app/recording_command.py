@@ -27,6 +27,7 @@ from processing.survey import AudioInfo, Survey
 
 _LOOK_EVERY_S = 0.1
 _STATUS_EVERY_S = 1.0
+TAKE_BACK = "-"  # typed instead of a name
 _TOLD = {"name": "survey.name", "diameter": "pipe.diameter_m", "radius": "device.radius_m", "motion": "device.motion"}
 
 
@@ -102,7 +103,9 @@ def _stopping() -> Iterator[Stopper]:
         return
     before = {}
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"):  # a closed terminal ends a recording as well as it can
-        if (number := getattr(signal, name, None)) is not None:
+        number = getattr(signal, name, None)
+        # what was to be ignored stays so: under nohup a closed terminal shall not end it
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
             before[number] = signal.signal(number, stopper)
     if hasattr(signal, "SIGTTIN"):  # put into the background it would be halted when it looks at what is typed
         before[signal.SIGTTIN] = signal.signal(signal.SIGTTIN, signal.SIG_IGN)
@@ -166,12 +169,27 @@ def _watch(recorder: Recorder, terminal: Terminal, seconds: float | None, stoppe
         terminal.tell(status)
         if status.state is not RecordingState.RECORDING or (seconds is not None and status.elapsed_s >= seconds):
             return
-        for name in terminal.typed():
-            number = status.markers + 1
-            point = recorder.mark(name or messages.text("cli", "record_mark_name", terminal.language, number=number))
-            terminal.say("record_marked", name=point.name, time_s=point.time_s)
+        for line in terminal.typed():
+            _mark(recorder, terminal, line)
         if time.monotonic() - shown_s >= _STATUS_EVERY_S:
             shown_s = time.monotonic()
             terminal.show(status)
         left_s = _LOOK_EVERY_S if seconds is None else seconds - status.elapsed_s
         time.sleep(max(0.0, min(_LOOK_EVERY_S, left_s)))
+
+
+def _mark(recorder: Recorder, terminal: Terminal, line: str) -> None:
+    """Do what a typed line means: a marker of this name, or the last one taken back."""
+    try:
+        if line == TAKE_BACK:
+            gone = recorder.unmark()
+            if gone is not None:
+                terminal.say("record_unmarked", name=gone.name)
+            return
+        number = len(recorder.marks) + 1
+        point = recorder.mark(line or messages.text("cli", "record_mark_name", terminal.language, number=number))
+    except LeaklineError as error:
+        if error.code is not ErrorCode.RECORDING_NOT_RUNNING:  # it has just ended by itself, and says so
+            raise
+    else:
+        terminal.say("record_marked", name=point.name, time_s=point.time_s)

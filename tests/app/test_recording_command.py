@@ -17,7 +17,7 @@ from fake_devices import motion, sent
 from app import cli, recording_terminal
 from app.devices.audio_devices import AudioDevice
 from app.devices.serial_ports import SerialPort
-from app.recording_command import plan_of
+from app.recording_command import _stopping, plan_of
 from app.recording_terminal import Terminal, clock_text
 from processing.live.stream import LinkState, MotionStatus, RecordingStatus, SoundStatus
 from processing.survey import Finding, Motion, Severity
@@ -162,6 +162,19 @@ def test_sigterm_ends_it_cleanly_with_status_0(ball, tmp_path):
     threading.Thread(target=end, daemon=True).start()
     assert cli.run(["record", *told]) == 0
     assert "stopped" in (tmp_path / "run.leakline/recordings/1/original/recording.jsonl").read_text()
+
+
+def test_what_the_caller_ignores_stays_ignored():
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        with _stopping() as stopper:
+            signal.raise_signal(signal.SIGTERM)
+            signal.raise_signal(signal.SIGINT)
+            time.sleep(0.01)
+            assert stopper.asked
+            assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 # --- what is said
