@@ -82,7 +82,7 @@ class AttitudeBall(PaintedWidget):
             return
         turn = rotation_matrix(self._q_ws)
         circle = np.column_stack([np.cos(_AROUND), np.sin(_AROUND), 0.0 * _AROUND])
-        for columns, colour in (((0, 1, 2), theme.curve), ((0, 2, 1), theme.curve_second), ((2, 0, 1), theme.route)):
+        for columns, colour in (((0, 1, 2), theme.curve), ((0, 2, 1), theme.curve_second)):
             self._paint_circle(painter, seen(circle[:, columns] @ turn.T), centre, radius, colour)
         for axis, (name, colour) in enumerate(
             (("x", theme.curve), ("y", theme.curve_second), ("z", theme.curve_third))

@@ -137,8 +137,16 @@ class LiveSpectrogram(PaintedWidget):
         key = (self.width(), self.height(), self.devicePixelRatioF(), theme, self._span_s, self._ring is None)
         if self._frame is None or self._frame[0] != key:
             self._frame = key, self._painted_frame(rect)
-        painter.drawPixmap(QPointF(0.0, 0.0), self._frame[1])
+        frame, ratio = self._frame[1], self.devicePixelRatioF()
+        below = rect.bottom()
+        for part in (  # beside and below the sound only: a whole picture would be blended over all of it
+            QRectF(0.0, 0.0, rect.left() + 1.0, self.height()),
+            QRectF(rect.left() + 1.0, below, self.width() - rect.left() - 1.0, self.height() - below),
+        ):
+            painter.drawPixmap(part, frame, QRectF(part.topLeft() * ratio, part.size() * ratio))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.setPen(QPen(QColor(theme.text), 1))
+        painter.drawRect(rect)
         if self._hint or self._ring is None:
             box = QRectF(0, 0, min(rect.width(), 0.9 * self.width()), 2.2 * theme.metrics().height())
             box.moveCenter(rect.center())
@@ -146,7 +154,7 @@ class LiveSpectrogram(PaintedWidget):
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._hint or self.tr("No sound yet"))
 
     def _painted_frame(self, rect: QRectF) -> QPixmap:
-        """Return axes and frame, which stay the same from picture to picture."""
+        """Return the axes, which stay the same from picture to picture."""
         ratio = self.devicePixelRatioF()
         frame = QPixmap(self.size() * ratio)
         frame.setDevicePixelRatio(ratio)
@@ -155,9 +163,6 @@ class LiveSpectrogram(PaintedWidget):
         painter.setFont(self._theme.font())
         if self._ring is not None:
             self._paint_axes(painter, rect)
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(QPen(QColor(self._theme.text), 1))
-        painter.drawRect(rect)
         painter.end()
         return frame
 
