@@ -58,6 +58,9 @@ class HelpWindow(QDialog):
         """Return the short guide; the manual of issue 6 takes its place."""
         steps = (
             self.tr("Copy the folder off the device and drop it on this window, or open it with Ctrl+O."),
+            self.tr(
+                "Or record here: Ctrl+N shows the devices, F5 begins, M marks what is passed, F5 pressed twice stops."
+            ),
             self.tr("Look at the findings, fill in the form and the tie points, and press Process."),
             self.tr("Go through the candidates: Space plays, 1 confirms, 2 rejects, 3 leaves it open."),
             self.tr("Press Enter for a note. Ctrl+Z takes back whatever you did."),

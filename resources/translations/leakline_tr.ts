@@ -1774,6 +1774,10 @@
         <translation>Bulgulara bakın, formu ve bağlama noktalarını doldurun, İşle düğmesine basın.</translation>
     </message>
     <message>
+        <source>Or record here: Ctrl+N shows the devices, F5 begins, M marks what is passed, F5 pressed twice stops.</source>
+        <translation>Ya da burada kaydedin: Ctrl+N cihazları gösterir, F5 başlatır, M geçilen yeri işaretler, F5 iki kez basılınca durdurur.</translation>
+    </message>
+    <message>
         <source>Press Enter for a note. Ctrl+Z takes back whatever you did.</source>
         <translation>Not için Enter'a basın. Ctrl+Z yaptığınız her şeyi geri alır.</translation>
     </message>
