@@ -153,6 +153,7 @@ def _add_record(commands: "argparse._SubParsersAction[OneLineParser]", common: O
     one.add_argument("--diameter", metavar="METRES", help="of the pipe")
     one.add_argument("--radius", metavar="METRES", help="of the ball")
     one.add_argument("--motion", metavar="WORD", help="how the device moves: rolling, carried or foot")
+    one.add_argument("--check", action="store_true", help="check devices and clocks in its first half minute")
     one.add_argument("--list", action="store_true", help="list microphones and serial ports, and record nothing")
     one.set_defaults(handler=_record)
 

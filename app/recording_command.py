@@ -17,6 +17,7 @@ from app.devices.imu_spec import parse_imu_spec
 from app.devices.recorder import Recorder
 from app.devices.recording_plan import RecordingPlan
 from app.keep_awake import keep_awake
+from app.recording_check import SpokenCheck
 from app.recording_terminal import Terminal
 from processing import messages
 from processing.errors import Cancelled, ErrorCode, LeaklineError
@@ -44,12 +45,13 @@ def record(words: argparse.Namespace) -> int:
         return 0
     plan = plan_of(words)
     # leaving the recorder brings a recording to its end, whatever went wrong out here
-    with _stopping() as stopper, _awake(), Recorder(plan, is_shown=False) as recorder:
+    with _stopping() as stopper, _awake(), Recorder(plan, is_shown=words.check) as recorder:
         recorder.open()
         _wait(recorder, plan, words.wait, stopper, terminal)
         folder = recorder.start()
         terminal.begin(folder)
-        _watch(recorder, terminal, words.seconds, stopper)
+        check = SpokenCheck(recorder, plan, terminal) if words.check else None
+        _watch(recorder, terminal, words.seconds, stopper, check)
         recorder.stop()
         terminal.done(recorder.status(), folder)
         if recorder.fault is not None:
@@ -161,7 +163,9 @@ def _missing(
     return LeaklineError(ErrorCode.DEVICE_MISSING, device=device, seconds=patience_s, reason=why)
 
 
-def _watch(recorder: Recorder, terminal: Terminal, seconds: float | None, stopper: Stopper) -> None:
+def _watch(
+    recorder: Recorder, terminal: Terminal, seconds: float | None, stopper: Stopper, check: SpokenCheck | None
+) -> None:
     """Return when the recording shall end, or has ended by itself."""
     shown_s = 0.0
     while not stopper.asked:
@@ -171,6 +175,8 @@ def _watch(recorder: Recorder, terminal: Terminal, seconds: float | None, stoppe
             return
         for line in terminal.typed():
             _mark(recorder, terminal, line)
+        if check is not None and not check.look():
+            check = None
         if time.monotonic() - shown_s >= _STATUS_EVERY_S:
             shown_s = time.monotonic()
             terminal.show(status)

@@ -37,7 +37,7 @@ class Terminal:
 
     def say(self, key: str, **params: object) -> None:
         """Say a sentence of the table ``cli``."""
-        self._write(self._text(key, **params))
+        self.write(self._text(key, **params))
 
     def begin(self, folder: Path) -> None:
         """Say that the recording runs, and listen to what is typed from now on."""
@@ -89,7 +89,7 @@ class Terminal:
         try:
             inputs = list_inputs()
         except LeaklineError as error:
-            self._write("  " + messages.error_sentence(error, self.language))
+            self.write("  " + messages.error_sentence(error, self.language))
         else:
             for device in inputs:
                 spec = AudioChoice(device.name)
@@ -128,9 +128,10 @@ class Terminal:
 
     def _say_finding(self, finding: Finding) -> None:
         self._told[_key(finding)] = finding
-        self._write("- " + messages.finding_sentence(finding, self.language))
+        self.write("- " + messages.finding_sentence(finding, self.language))
 
-    def _write(self, line: str) -> None:
+    def write(self, line: str) -> None:
+        """Say a line."""
         if self._is_shown:
             self._draw("")
             self._is_shown = False

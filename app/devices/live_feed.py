@@ -55,6 +55,11 @@ class LiveFeed:
             self._blocks.clear()
             self._bytes = 0
 
+    def close(self) -> None:
+        """Hold nothing any more: nobody will look."""
+        self.is_open = False
+        self.clear()
+
     @property
     def dropped(self) -> int:
         """How many blocks went unseen."""
