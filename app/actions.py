@@ -213,6 +213,9 @@ ACTIONS: tuple[ActionRow, ...] = (
 )  # fmt: skip
 
 
+ONCE_A_PRESS = frozenset({"record_press", "mark"})  # a key that is held down neither ends a run nor marks again
+
+
 def translated(text: str) -> str:
     """Return a text of the table in the window's language."""
     return QCoreApplication.translate("Actions", text)
@@ -249,6 +252,7 @@ def build(owner: QObject, root: object, rows: Iterable[ActionRow] = ACTIONS) -> 
         action.setStatusTip(translated(row.tip))
         if row.short:
             action.setIconText(translated(row.short))
+        action.setAutoRepeat(row.id not in ONCE_A_PRESS)
         handler = resolve(root, row.handler)
         action.triggered.connect(lambda _checked=False, call=handler: call())
         actions[row.id] = action

@@ -183,7 +183,7 @@ class RecordingControl(QObject):
     def _open(self) -> None:
         """Let the chosen devices run, so that they are seen before anything is recorded."""
         wish = self.wish
-        if wish.is_empty or not self._in_front or self._recorder is not None:
+        if wish.is_empty or not self._in_front or self._recorder is not None or self._folder is not None:
             self.look()
             return
         try:

@@ -15,6 +15,7 @@ from processing.errors import LeaklineError
 from processing.live.stream import DiscStatus, LinkState, MotionStatus, RecordingState, RecordingStatus, SoundStatus
 from processing.survey import Finding, Severity
 from widgets.device_form import NONE
+from widgets.recording_panel import BATTERY_LOW
 
 BATTERY_EVERY_S = 10.0
 SPACE_EVERY_S = 5.0
@@ -34,6 +35,7 @@ class RecordingTelling:
     ) -> None:
         self._page, self._calls, self._battery, self._monotonic = page, calls, battery, monotonic
         self._battery_s = self._space_s = -1e9
+        self._told_battery = False
         self._free: tuple[Path, int] | None = None
         self._findings: tuple[Finding, ...] = ()
         self._lines: list[str] = []  # the same as sentences
@@ -85,9 +87,13 @@ class RecordingTelling:
             return
         self._battery_s = now
         found = self._battery()
+        low = found is not None and found.part < BATTERY_LOW and not found.plugged
         self._page.panel.show_battery(
             None if found is None else found.part, plugged=found is not None and found.plugged
         )
+        if low and not self._told_battery:
+            self._warn(self._page.panel.battery.text())
+        self._told_battery = low
 
     def _show_findings(self, status: RecordingStatus, now: float) -> None:
         findings = status.findings

@@ -258,6 +258,18 @@ def test_process_now_hands_the_folder_on_and_record_another_opens_the_devices_ag
     assert not bench.page.process.isVisible()
 
 
+def test_another_device_chosen_after_a_recording_waits_for_the_next_one(bench):
+    bench.record()
+    bench.press()
+    bench.press(after_s=1.0)
+    bench.page.devices._sound.setCurrentIndex(bench.page.devices._sound.findData("Field recorder"))
+    bench.wait()
+    assert len(bench.laptop.recorders) == 1
+    QTest.mouseClick(bench.page.another, LEFT)
+    bench.wait()
+    assert bench.recorder.wish.sound.name == "Field recorder"
+
+
 def test_counters_disc_and_battery_warn_in_words(bench):
     bench.record()
     bench.laptop.left = Battery(0.11, plugged=False)
@@ -270,6 +282,7 @@ def test_counters_disc_and_battery_warn_in_words(bench):
     assert "234" in panel.counts.text()
     assert "⚠" in panel.disc.text()
     assert "11 %" in panel.battery.text()
+    assert "11 %" in bench.page.messages.banner.text()
     assert "⚠" in panel.battery.text()
     assert panel.synced.text() == "✓ on disc"
     bench.recorder.change_disc(synced_host_s=bench.clock.now_s - 30.0)

@@ -178,6 +178,8 @@ def test_keys_are_the_recordings_only_on_its_page_and_the_language_waits_for_its
     monkeypatch.setattr(window.boxes, "tell", told.append)
     assert not actions["mark"].isEnabled()
     assert not actions["record_press"].isEnabled()
+    assert not actions["record_press"].autoRepeat()  # a key held down is one press
+    assert not actions["mark"].autoRepeat()
     hand.record()
     assert actions["mark"].isEnabled()
     assert actions["record_press"].isEnabled()
