@@ -86,11 +86,16 @@ class DeviceTimeline:
         return self._told(placed, events)
 
     def survey_s(self, host_s: float) -> tuple[float, float] | None:
-        """Return survey time and its one sigma at a moment of the host's clock; None before the first sample."""
+        """Return survey time and its one sigma at a moment of the host's clock; None before the first sample.
+
+        A bus that bundles in step with the samples hands the newest on at an age that never changes and nobody knows:
+        anything up to one period, which is in the sigma.
+        """
         if self._origin_us is None or self._fit.is_empty:
             return None
         axis_s = float(self._fit.device_of(host_s))
-        return axis_s - 1e-6 * self._origin_us, float(self._fit.sigma_s_at(axis_s))
+        of_age_s = 1e-6 * (self._clock.period_us if self._clock is not None else 0.0) / np.sqrt(12.0)
+        return axis_s - 1e-6 * self._origin_us, float(np.hypot(self._fit.sigma_s_at(axis_s), of_age_s))
 
     def to_samples(self, frames: Frames) -> ImuSamples:
         """Return placed frames as samples on survey time; rows with a value that is no number are not valid."""

@@ -49,7 +49,7 @@ def _course(residual: FloatArray, which: Whole, blocks: int) -> FloatArray:
     for block in range(blocks):
         mine = which == block
         part = residual[mine]
-        course[mine] = median_filter(part, _NEIGHBOURS, mode="nearest") if len(part) > _NEIGHBOURS else np.median(part)
+        course[mine] = median_filter(part, _NEIGHBOURS, mode="reflect") if len(part) > _NEIGHBOURS else np.median(part)
     return course
 
 

@@ -105,6 +105,12 @@ def test_a_clock_that_was_set_begins_beside_the_line_and_keeps_its_slope():
     assert float(fit.device_of(1500.0)) == pytest.approx(500.3 + 0.006, abs=0.005)
 
 
+def test_a_stall_at_the_very_beginning_moves_nothing():
+    fit = fitted(sent(360, 100, 20.0, 0.0003, 0.001, stall=(-0.001, 2.0), seed=0))
+    assert fit.drift_ppm == pytest.approx(20.0, abs=4 * fit.drift_sigma_ppm)
+    assert fit.drift_sigma_ppm < 0.03
+
+
 def test_before_the_first_arrival_nothing_is_told():
     fit = ArrivalFit()
     assert fit.is_empty

@@ -155,7 +155,7 @@ def test_a_clock_of_ten_milliseconds_at_four_hundred_hertz_loses_nothing():
 
 @pytest.mark.parametrize("rate", [10, 100, 1000])
 def test_samples_without_times_are_even_though_the_bus_bundles_them(rate):
-    stream = sent(60, rate, 0.0, 0.004, 0.016, stall=(25.0, 2.0), seed=2)
+    stream = sent(60, rate, 0.0, 0.004, 0.032, stall=(25.0, 2.0), seed=2)
     timeline = DeviceTimeline()
     told = told_by(timeline, frames_at(np.zeros(60 * rate)), stream.host_s, has_time=False)
     assert len(told.frames) == 60 * rate
@@ -171,7 +171,7 @@ def test_samples_without_times_are_even_though_the_bus_bundles_them(rate):
 
 @pytest.mark.parametrize("missing", [40, 700])
 def test_lost_lines_without_times_show_as_a_pause_where_they_were(missing):
-    stream = sent(60, 100, 0.0, 0.003, 0.016, seed=2)
+    stream = sent(60, 100, 0.0, 0.003, 0.048, seed=2)
     keep = np.ones(6000, np.bool_)
     keep[3000 : 3000 + missing] = False
     frames = frames_at(np.zeros(6000 - missing))
@@ -194,7 +194,7 @@ def test_another_rate_without_times_is_found_within_seconds():
 
 
 def test_survey_time_of_a_moment_is_what_the_import_will_give():
-    stream = sent(120, 100, 80.0, 0.005, 0.016, seed=4)
+    stream = sent(120, 100, 80.0, 0.005, 0.064, seed=4)
     timeline, frames = DeviceTimeline(), frames_at(micro(stream.device_s))
     told_by(timeline, rows_of(frames, slice(0, 3000)), stream.host_s[:3000])
     timeline.begin()
@@ -202,7 +202,7 @@ def test_survey_time_of_a_moment_is_what_the_import_will_give():
     told = told_by(timeline, rows_of(frames, slice(3000, None)), stream.host_s[3000:])
     survey_s, sigma_s = timeline.survey_s(1100.0)
     truth_s = (1100.0 - stream.true_s[3000]) * (1 + 80e-6)
-    assert abs(survey_s - truth_s) < 3 * sigma_s < 0.01
+    assert abs(survey_s - truth_s) < 3 * sigma_s < 0.012
     samples = timeline.to_samples(told.frames)
     assert samples.time_s[0] == 0.0
     assert samples.time_s == pytest.approx(stream.device_s[3000:] - stream.device_s[3000], abs=2e-6)

@@ -74,7 +74,7 @@ def test_an_input_that_comes_back_goes_on_where_it_should_be(away_s):
 
 
 @given(st.integers(8, 280), st.integers(1000, 400_000))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_no_loss_is_ever_filled_twice(block, frames):
     timeline = SoundTimeline(RATE)
     played(timeline, 40, errors("random", 400, 0.0005), losses=((block + 60, frames),))
@@ -96,14 +96,14 @@ def test_the_map_to_survey_time_holds_within_what_it_says():
         sound, device = SoundTimeline(RATE, delay_sigma_s=0.001), DeviceTimeline(delay_sigma_s=0.001)
         played(sound, 10, errors("random", 100, 0.005, seed), begin_s=990.0)
         sound.begin()
-        stream = sent(120, 50, -70.0, 0.003, 0.032, seed=seed)
+        stream = sent(60, 50, -70.0, 0.003, 0.064, seed=seed)
         told_by(device, frames_at(np.round(1e6 * stream.device_s)), stream.host_s)
-        played(sound, 120, errors("random", 1200, 0.005, seed + 10), begin_s=1000.0)
+        played(sound, 60, errors("random", 600, 0.005, seed + 10), begin_s=1000.0)
         guess = sound_to_survey(sound, device)
         # the device's second is 70 ppm long, the card's 40 ppm short
         off.append((guess.drift_ppm - 110.0) / guess.drift_sigma_ppm)
-        assert abs(guess.start_time_s) < 3 * guess.start_sigma_s < 0.01
-        assert guess.drift_sigma_ppm < 10.0
+        assert abs(guess.start_time_s) < 3 * guess.start_sigma_s < 0.02
+        assert guess.drift_sigma_ppm < 30.0
     assert np.abs(off).max() < 3.5
 
 
