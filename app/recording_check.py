@@ -51,7 +51,9 @@ class SpokenCheck:
         if self._power is not None:
             around = replace(around, battery_pct=100.0 * self._power.part, is_plugged=self._power.plugged)
         view = self._check.tick(self._monotonic(), around)
-        key = "rest_moved" if view.phase is Phase.REST and view.moved else view.phase.value
+        key = view.phase.value
+        if view.phase is Phase.REST and (view.moved or self._said == "rest_moved"):  # said once, however often it moves
+            key = "rest_moved"
         if key != self._said:
             self._said = key
             self._terminal.write("> " + messages.text("check_phases", key, self._terminal.language))
