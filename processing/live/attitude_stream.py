@@ -41,21 +41,22 @@ def joined_rows(parts: list[OrientedRows]) -> OrientedRows:
 class AttitudeStream:
     """Rows go in as they come; rows with attitudes come out, later by what the estimator needs to find the tilt."""
 
-    def __init__(self, settings: OrientationSettings, yaw_rad: float = 0.0, name: str = _ESTIMATOR) -> None:
-        """Begin; ``yaw_rad`` is the first yaw, which nobody can know."""
-        self._settings, self._yaw_rad, self._name = settings, yaw_rad, name
+    def __init__(self, settings: OrientationSettings, yaw_rad: float = 0.0, known: Calibration | None = None) -> None:
+        """Begin; ``yaw_rad`` is the first yaw, which nobody can know, ``known`` what was found out before."""
+        self._settings, self._yaw_rad = settings, yaw_rad
         self.rest = RestWatch(settings)
         self._held: list[ImuSamples] = []  # before the attitude begins
         self._waiting: list[
             tuple[FloatArray, FloatArray, FloatArray, FloatArray]
         ] = []  # rows whose attitude is to come
         self._live: LiveAttitude | None = None
-        self._found: Calibration | None = None  # what the way itself has told
+        self._found = known  # what the way itself has told, or an earlier one
+        self._was_calibrated = known is not None and known.basis == "rest"
 
     @property
     def is_calibrated(self) -> bool:
         """Whether a rest has told the gyro's offset."""
-        return self.rest.rests > 0
+        return self._was_calibrated or self.rest.rests > 0
 
     @property
     def is_waiting(self) -> bool:
@@ -67,7 +68,7 @@ class AttitudeStream:
         rested, found = self.rest.calibration(), self._found
         if found is None:
             return rested
-        if not self.is_calibrated:
+        if not self.rest.rests:
             return found
         return replace(
             found,
@@ -105,7 +106,7 @@ class AttitudeStream:
 
     def _begin(self, rows: ImuSamples) -> LiveAttitude:
         period = float(np.median(np.diff(rows.time_s))) if len(rows.time_s) > 1 else 0.01
-        return LiveAttitude(self._name, self.calibration(), self._settings, period, yaw_rad=self._yaw_rad)
+        return LiveAttitude(_ESTIMATOR, self.calibration(), self._settings, period, yaw_rad=self._yaw_rad)
 
     def _taken(self, count: int, quats: FloatArray) -> OrientedRows:
         if count == 0:

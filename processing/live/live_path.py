@@ -14,8 +14,10 @@ from processing.errors import LeaklineError
 from processing.live.attitude_stream import AttitudeStream
 from processing.live.path_history import PathHistory
 from processing.live.picture import LivePolyline, LivePose
+from processing.live.setting_out import setting_out_direction
 from processing.live.trails import LONG_GAP_S, trail_of
 from processing.orientation import quaternions as qt
+from processing.orientation.calibration import Calibration
 from processing.orientation.start import yaw_towards
 from processing.position.evidence import Evidence
 from processing.position.fitting import fit, prepare
@@ -55,16 +57,17 @@ class _Placed:
 class LivePath:
     """Samples and tie points go in, the present pose and the way so far come out."""
 
-    def __init__(self, survey: Survey, settings: Settings | None = None) -> None:
+    def __init__(self, survey: Survey, settings: Settings | None = None, known: Calibration | None = None) -> None:
         """Begin; of the survey counts what is known before the run: device, launch, route, tie points.
 
-        The length of the pipe does not: it was not travelled yet.
+        The length of the pipe does not: it was not travelled yet. ``known`` is what a path before has found out of the
+        same device.
         """
         settings = settings or Settings()
         self._settings = settings
         self._survey = replace(survey, pipe=replace(survey.pipe, length_m=None))
         self._fitting = replace(settings.position, keyframes=_KEYFRAMES)
-        self._stream = AttitudeStream(settings.orientation, _first_yaw(survey))
+        self._stream = AttitudeStream(settings.orientation, _first_yaw(survey), known)
         self._history = PathHistory()
         self._trail = trail_of(survey, settings, self._stream, self._history)
         self._pending: list[ImuSamples] = []
@@ -99,6 +102,10 @@ class LivePath:
     def mark(self, tie: TiePoint) -> None:
         """Add one tie point."""
         self.set_tie_points((*self._survey.tie_points, tie))
+
+    def calibration(self) -> Calibration | None:
+        """Return what rests and the way have told of the device; None where no rest has."""
+        return self._stream.calibration() if self._stream.is_calibrated else None
 
     def pose(self) -> LivePose | None:
         """Return where the device is; None until its attitude is known."""
@@ -173,6 +180,7 @@ class LivePath:
         guessed = laid.gain * float(np.hypot(onward[0], onward[1]))
         way = float(row[4] - odometry.chainage_m[-1])
         since = row[[10, 11, 14]] - [odometry.along_var_m2[-1], odometry.cross_var_m2[-1], _last(odometry.lost_var_m2)]
+        unsure = (_GUESS_SHARE * guessed) ** 2 + self._trail.open_sigma_m**2
         along, cross, lost = np.maximum(since, 0.0)  # a window reckoned anew may have become surer
         speed = laid.gain * float(row[5])
         if speed > 0.05 and float(np.hypot(moved[0], moved[1])) > 0.02:
@@ -180,8 +188,8 @@ class LivePath:
         return _Placed(
             track.position_w_m[-1] + moved,
             float(track.chainage_m[-1]) + laid.gain * way + guessed,
-            float(np.sqrt(track.sigma_along_m[-1] ** 2 + along + lost + (_GUESS_SHARE * guessed) ** 2)),
-            float(np.sqrt(track.sigma_cross_m[-1] ** 2 + cross + (_GUESS_SHARE * guessed) ** 2)),
+            float(np.sqrt(track.sigma_along_m[-1] ** 2 + along + lost + unsure)),
+            float(np.sqrt(track.sigma_cross_m[-1] ** 2 + cross + unsure)),
             speed,
         )
 
@@ -204,6 +212,7 @@ class LivePath:
 
     def _fitted(self, odometry: Odometry) -> _Laid:
         problem = prepare(odometry, self._survey, Evidence(), self._fitting)
+        problem = replace(problem, first_rad=setting_out_direction(odometry))
         fitted = fit(problem, self._survey, self._fitting, silent())
         track = fitted.track
         gain = fitted.series.scale * (1.0 + float(fitted.series.slip_share[-1]))

@@ -52,8 +52,8 @@ class LiveView:
         self._path.set_tie_points(ties)
 
     def restart_path(self) -> None:
-        """Forget path and strips: the recording begins here, and its survey time with it."""
-        self._path = LivePath(self._survey, self._settings)
+        """Forget path and strips, not the gyro's offset: the recording begins here, and its survey time with it."""
+        self._path = LivePath(self._survey, self._settings, self._path.calibration())
         self._strips = Strips(span_s=self._strip_span_s)
         self._epoch += 1
 

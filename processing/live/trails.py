@@ -20,6 +20,7 @@ from processing.survey import FloatArray, ImuSamples, Motion, Survey
 LONG_GAP_S = 10.0
 _CARRY_ON_S = 60.0  # so long a device is taken to have gone on in a gap
 _PACE_S = 2.5  # two strides
+_OPEN_MPS, _OPEN_S = 0.35, 10.0  # travel at constant speed feels like a rest until the device rests
 _GAP_MPS = 1.0  # 1 sigma of a person's speed that nobody saw
 
 
@@ -28,6 +29,7 @@ class Trail(Protocol):
 
     base: Odometry | None
     is_still: bool
+    open_sigma_m: float  # 1 sigma of what the way may turn out longer or shorter once the stretch under way has ended
     pace_w_mps: FloatArray  # (3,) the free path's mean velocity of late, for the time that its rows lag behind
 
     def add(self, rows: OrientedRows, gap_s: float) -> bool:
@@ -53,6 +55,7 @@ class RollingTrail:
         self._shift: FloatArray | None = None  # (16,) from the causal rows to those of the last look back
         self.base: Odometry | None = self._steps.base
         self.is_still = True
+        self.open_sigma_m = 0.0
         self.pace_w_mps = np.zeros(3)  # the rows do not lag
 
     def add(self, rows: OrientedRows, gap_s: float) -> bool:
@@ -87,7 +90,9 @@ class WindowedTrail:
         self._steps = WindowedSteps(survey, settings.position)
         self.base: Odometry | None = None
         self.is_still = True
+        self.open_sigma_m = 0.0
         self.pace_w_mps = np.zeros(3)
+        self._rested_s = np.nan
 
     def add(self, rows: OrientedRows, gap_s: float) -> bool:
         """Take rows; see :class:`Trail`."""
@@ -96,8 +101,14 @@ class WindowedTrail:
             self._steps.begin_anew(self._after_gap(rows, gap_s))
         self.is_still = self._stream.rest.is_resting
         settled = self._steps.add(rows, is_resting=self.is_still)
+        now = float(rows.time_s[-1])
         if self.is_still:
             self.pace_w_mps = np.zeros(3)
+            if settled is not None:
+                self._rested_s = now
+        if self._steps.method == "inertial":
+            open_s = _OPEN_S if np.isnan(self._rested_s) else min(now - self._rested_s, _OPEN_S)
+            self.open_sigma_m = _OPEN_MPS * open_s
         if settled is None:
             return False
         self._history.settle(settled.rows)

@@ -23,6 +23,7 @@ _FOOT_SPAN_S = 16.0
 _CARRIED_SPAN_S = 90.0  # without a rest: then it is cut anyway
 _OVERLAP_S = (8.0, 5.0, 3.0)  # the next window begins and the settled path ends so long before now
 _REST_S = 1.0
+_LOOK_BACK_S = 20.0
 _LEAST_S = 1.0
 _LEAST_ROWS = 25
 _ENERGY_S = 0.15
@@ -50,13 +51,15 @@ class WindowedSteps:
         self._joint: FloatArray | None = None  # (16,) where the settled path ends
         self._due_s = -np.inf
         self._rest_since_s = np.nan
+        self._reckoned_s = -np.inf
+        self._rests_s: list[float] = []  # moments of rest within the window
         self.base: Odometry | None = None
         self.is_still = True
 
     def begin_anew(self, joint: FloatArray | None) -> None:
         """Forget the window; the path goes on from ``joint`` (16,), at the time of the next row."""
         self._parts, self._joint = [], joint
-        self._due_s, self._rest_since_s = -np.inf, np.nan
+        self._due_s, self._rest_since_s, self._rests_s = -np.inf, np.nan, []
 
     def add(self, rows: OrientedRows, *, is_resting: bool) -> Settled | None:
         """Take rows (m,); return the path where it was reckoned anew, None where not yet."""
@@ -70,12 +73,15 @@ class WindowedSteps:
         elif np.isnan(self._rest_since_s):
             self._rest_since_s = now
         began = float(self._parts[0].time_s[0])
+        if self.method == "inertial" and self._reckoned_s < self._rest_since_s + _REST_S <= now:
+            self._due_s = now  # a rest tells what the stretch before it was
         if now < self._due_s or now - began < _LEAST_S or sum(len(p.time_s) for p in self._parts) < _LEAST_ROWS:
             return None
         self._due_s = now + max(_EVERY_S, _EVERY_SHARE * (now - began))
         return self._reckoned(now)
 
     def _reckoned(self, now: float) -> Settled:
+        self._reckoned_s = now
         window = joined_rows(self._parts)
         self._parts = [window]
         reckon = METHODS[self.method].reckon
@@ -98,7 +104,11 @@ class WindowedSteps:
         """Return where the next window begins and where the settled path ends; None while it is too early."""
         began = float(window.time_s[0])
         if self.method == "inertial" and now - self._rest_since_s >= _REST_S and now - began > 2.0 * _REST_S:
-            return now - 0.5 * _REST_S, now - 0.5 * _REST_S
+            # the stretch before is kept in view: by it the next one's quiet is told from travel at constant speed
+            rest_s = now - 0.5 * _REST_S
+            anchor_s = max((r for r in self._rests_s if r <= now - _LOOK_BACK_S), default=began)
+            self._rests_s = [r for r in self._rests_s if r >= anchor_s] + [rest_s]
+            return anchor_s, rest_s
         if now - began < self._span_s:
             return None
         first, middle, last = (now - s for s in _OVERLAP_S)

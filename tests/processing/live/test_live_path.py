@@ -144,6 +144,30 @@ def test_a_launch_in_an_unknown_system_costs_the_map_and_not_the_path(bent_run):
     assert path.pose().chainage_m == pytest.approx(np.interp(30.0, bent_run.imu.time_s, bent_run.chainage_m), abs=0.15)
 
 
+def test_what_a_rest_before_the_recording_told_is_known_from_its_first_moment(bent_run):
+    monitored = follow(rows_of(bent_run.imu, slice(0, 480)))
+    assert LivePath(ROLLING).calibration() is None
+    path = LivePath(ROLLING, known=monitored.calibration())
+    first, later = 700, 1400  # at full speed already
+    follow(rows_of(bent_run.imu, slice(first, later)), path=path)
+    pose = path.pose()
+    assert pose.is_calibrated
+    true = np.interp(pose.survey_s, bent_run.imu.time_s, bent_run.chainage_m) - bent_run.chainage_m[first]
+    assert pose.chainage_m == pytest.approx(true, abs=0.06)
+
+
+def test_a_path_sets_out_in_one_direction_however_short_it_still_is():
+    """Two metres straight on, then bends: the first metres tell the direction, at whatever length one looks."""
+    run = rolling_run([(5.0, 22.0, 0.8)], 25.0, lambda s: bend(s, 2.0, 0.5 * np.pi, 0.4) + bend(s, 4.0, -1.2, 0.4),
+                      rate_hz=100.0, yaw0=0.0)  # fmt: skip
+    path, errors = LivePath(ROLLING), []
+    for until in np.arange(8.0, 25.0, 1.0):
+        pose = follow(run.imu, path=path, until_s=until, start_s=until - 1.0 if until > 8.0 else -np.inf).pose()
+        true = [np.interp(pose.survey_s, run.imu.time_s, axis) for axis in run.position_w_m.T]
+        errors.append(float(np.hypot(pose.position_w_m[0] - true[0], pose.position_w_m[1] - true[1])))
+    assert max(errors) < 0.25
+
+
 def offline(imu, survey):
     settings = Settings()
     attitude, _, _ = estimate_attitude(imu, survey, settings.orientation, silent())
