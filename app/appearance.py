@@ -111,6 +111,7 @@ def style_sheet(theme: Theme) -> str:
         QLabel#candidate_title {{ font-size: {round(FONT_PT * 1.35)}pt; font-weight: bold; }}
         QLabel#readout {{ font-weight: bold; }}
         QPushButton#recording_strip {{ background: {theme.cursor}; color: {theme.canvas}; font-weight: bold; }}
+        QLabel#warning {{ background: {theme.cursor}; color: {theme.canvas}; padding: 6px 12px; font-weight: bold; }}
         QLabel#banner {{ background: {theme.accent}; color: {theme.canvas}; padding: 6px 12px; font-weight: bold; }}
     """
 

@@ -11,6 +11,7 @@ from widgets.color_maps import color_table
 from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import hertz_text
 from widgets.plot_theme import LIGHT, Theme
+from widgets.recording_words import paint_hint
 from widgets.ring_image import Pixels, RingImage
 
 ROWS = 180  # of the picture, in octaves from the lowest to the highest frequency
@@ -148,10 +149,7 @@ class LiveSpectrogram(PaintedWidget):
         painter.setPen(QPen(QColor(theme.text), 1))
         painter.drawRect(rect)
         if self._hint or self._ring is None:
-            box = QRectF(0, 0, min(rect.width(), 0.9 * self.width()), 2.2 * theme.metrics().height())
-            box.moveCenter(rect.center())
-            painter.fillRect(box, QColor(theme.canvas))
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._hint or self.tr("No sound yet"))
+            paint_hint(painter, self._hint or self.tr("No sound yet"), rect, theme)
 
     def _painted_frame(self, rect: QRectF) -> QPixmap:
         """Return the axes, which stay the same from picture to picture."""

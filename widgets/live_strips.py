@@ -13,6 +13,7 @@ from widgets.live_spectrogram import plot_left
 from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import number_text
 from widgets.plot_theme import LIGHT, Theme
+from widgets.recording_words import paint_hint
 from widgets.ring_image import Pixels, RingImage
 
 _ROWS = 96  # pixels that a strip's picture is high, whatever the strip is
@@ -169,7 +170,7 @@ class LiveStrips(PaintedWidget):
         )
 
     def _paint(self, painter: QPainter) -> None:
-        theme, metrics = self._theme, self._theme.metrics()
+        theme = self._theme
         painter.setFont(theme.font())
         each = self.height() / max(len(self._kinds), 1)
         left = plot_left(theme)  # as the spectrogram above: one moment stands below the other
@@ -184,11 +185,8 @@ class LiveStrips(PaintedWidget):
             painter.drawRect(rect)
             self._paint_words(painter, rect, kind, strip)
         if self._hint or not self._strips:
-            box = QRectF(0, 0, 0.8 * self.width(), 2.2 * metrics.height())
-            box.moveCenter(QRectF(self.rect()).center())
-            painter.fillRect(box, QColor(theme.canvas))
-            painter.setPen(QColor(theme.text))
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._hint or self.tr("No motion yet"))
+            whole = QRectF(self.rect()).adjusted(left, 0.0, 0.0, 0.0)
+            paint_hint(painter, self._hint or self.tr("No motion yet"), whole, theme)
 
     def _paint_words(self, painter: QPainter, rect: QRectF, kind: StripKind, strip: _Strip | None) -> None:
         theme, metrics = self._theme, self._theme.metrics()

@@ -203,7 +203,7 @@ class MessageList(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.banner = QLabel()
-        self.banner.setObjectName("banner")
+        self.banner.setObjectName("warning")
         self.banner.setTextFormat(Qt.TextFormat.PlainText)
         self.banner.setWordWrap(True)
         self.banner.hide()

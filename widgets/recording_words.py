@@ -82,6 +82,19 @@ def paint_mark(painter: QPainter, mark: Mark, sign: str, box: QRectF, theme: The
     painter.restore()
 
 
+def paint_hint(painter: QPainter, text: str, within: QRectF, theme: Theme) -> None:
+    """Write over the middle of a picture why nothing is seen in it, in a box that stands out on any ground."""
+    painter.setFont(theme.font())
+    metrics = theme.metrics()
+    width = min(metrics.horizontalAdvance(text) + 3.0 * metrics.height(), 0.9 * within.width())
+    box = QRectF(0.0, 0.0, width, 2.0 * metrics.height())
+    box.moveCenter(within.center())
+    painter.setPen(QPen(QColor(theme.text), 2))
+    painter.setBrush(QColor(theme.canvas))
+    painter.drawRect(box)
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+
 def clock_text(seconds: float) -> str:
     """Return a duration as h:mm:ss."""
     whole = max(0, int(seconds))
