@@ -337,7 +337,8 @@ class RecordingControl(QObject):
         before, self._status = self._status, status
         if self._worker is not None and status is not None:
             self._worker.set_sample_rate(status.sound.sample_rate_hz)
-        self._telling.show(status, self.wish, done=self._folder is not None)
+        fault = recorder.sound_fault if recorder is not None else None
+        self._telling.show(status, self.wish, fault, done=self._folder is not None)
         self._show_button()
         self.looked.emit()
         ran = before is not None and before.state is RecordingState.RECORDING

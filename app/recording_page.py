@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from processing import messages
 from processing.live.picture import STRIP_CHANNELS
 from processing.live.stream import LinkState, MotionStatus, SoundStatus
 from processing.survey import FloatArray, TiePoint
@@ -195,8 +196,8 @@ class RecordingPage(QWidget):
         self._done.setVisible(bool(text))
         self.markers.setVisible(not text)
 
-    def show_links(self, sound: SoundStatus, motion: MotionStatus) -> None:
-        """Say how the devices are."""
+    def show_links(self, sound: SoundStatus, motion: MotionStatus, sound_reason: str = "") -> None:
+        """Say how the devices are; ``sound_reason`` is why there is no sound, as a sentence."""
         self.meter.set_status(sound)
         detail = []
         if sound.sample_rate_hz:
@@ -211,8 +212,13 @@ class RecordingPage(QWidget):
         self.imu_badge.set_state(motion.state, " · ".join(part for part in detail if part))
         self.path.set_stale(stale=motion.state is not LinkState.LIVE)
         good = (LinkState.LIVE, LinkState.ENDED)
-        self.spectrogram.set_hint("" if state in good else self.sound_badge.text.partition(" · ")[0])
-        self.strips.set_hint("" if motion.state in good else self.imu_badge.text.partition(" · ")[0])
+        why = messages.table("reasons", self.language).get(motion.reason, "")
+        for view, badge, is_good, reason in (
+            (self.spectrogram, self.sound_badge, state in good, sound_reason),
+            (self.strips, self.imu_badge, motion.state in good, why),
+        ):
+            words = badge.text.partition(" · ")[0] + (f"\n{reason}" if reason else "")
+            view.set_hint("" if is_good else words)
 
     def forget_views(self) -> None:
         """Begin the live views anew with the next picture."""

@@ -78,6 +78,10 @@ class RecorderLike(Protocol):
     def status(self) -> RecordingStatus:
         """Return how everything is."""
 
+    @property
+    def sound_fault(self) -> LeaklineError | None:
+        """Why there is no sound now."""
+
 
 class ViewLike(Protocol):
     """:class:`processing.live.live_view.LiveView`, as far as the live worker uses it."""

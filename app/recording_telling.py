@@ -54,12 +54,15 @@ class RecordingTelling:
         self._trouble = messages.error_sentence(error, self._page.language)
         self._warn(self._trouble)
 
-    def show(self, status: RecordingStatus | None, wish: RecordingWish, *, done: bool) -> None:
+    def show(
+        self, status: RecordingStatus | None, wish: RecordingWish, sound_fault: LeaklineError | None, *, done: bool
+    ) -> None:
         """Show how everything is; None while no device is open, ``done`` after a recording."""
         now = self._monotonic()
         page = self._page
         told = status or _closed(wish, done=done)
-        page.show_links(told.sound, told.motion)
+        why = "" if sound_fault is None else messages.error_sentence(sound_fault, page.language)
+        page.show_links(told.sound, told.motion, why)
         if not done:
             if told.state is RecordingState.MONITORING:
                 told = replace(told, disc=self._space(wish.folder, told, now))
@@ -105,14 +108,10 @@ class RecordingTelling:
             self._findings = findings
         lines = self._lines
         banner = self._banner if now < self._banner_until_s else ""
-        lost = [
-            "⚠ " + badge.text.partition(" · ")[0]
-            for badge, state in (
-                (self._page.sound_badge, status.sound.state),
-                (self._page.imu_badge, status.motion.state),
-            )
-            if state is LinkState.LOST
-        ]
+        recording = status.state is RecordingState.RECORDING
+        bad = (LinkState.LOST, LinkState.SILENT, LinkState.WAITING) if recording else (LinkState.LOST,)
+        badges = (self._page.sound_badge, self._page.imu_badge)
+        lost = ["⚠ " + badge.text.partition(" · ")[0] for badge in badges if badge.state in bad]
         if self._trouble:
             lines = [*lines, self._trouble]
         self._page.messages.show_lines(lines, banner or "   ·   ".join(lost))

@@ -86,13 +86,15 @@ def paint_hint(painter: QPainter, text: str, within: QRectF, theme: Theme) -> No
     """Write over the middle of a picture why nothing is seen in it, in a box that stands out on any ground."""
     painter.setFont(theme.font())
     metrics = theme.metrics()
-    width = min(metrics.horizontalAdvance(text) + 3.0 * metrics.height(), 0.9 * within.width())
-    box = QRectF(0.0, 0.0, width, 2.0 * metrics.height())
+    flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+    most = QRectF(0.0, 0.0, 0.85 * within.width(), within.height())
+    line = metrics.height()
+    box = metrics.boundingRect(most, flags, text).adjusted(-line, -0.4 * line, line, 0.4 * line)
     box.moveCenter(within.center())
     painter.setPen(QPen(QColor(theme.text), 2))
     painter.setBrush(QColor(theme.canvas))
     painter.drawRect(box)
-    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+    painter.drawText(box, flags, text)
 
 
 def clock_text(seconds: float) -> str:

@@ -20,6 +20,11 @@ class StateBadge(PaintedWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
 
     @property
+    def state(self) -> LinkState:
+        """The state that is shown."""
+        return self._shown[0]
+
+    @property
     def text(self) -> str:
         """What it says, as one sentence."""
         state, word, detail = self._shown

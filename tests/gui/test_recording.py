@@ -13,6 +13,8 @@ from app.battery import Battery
 from app.recording_control import RecordingControl
 from app.recording_page import RecordingPage
 from app.settings import PreferencesStore
+from processing import messages
+from processing.errors import ErrorCode, LeaklineError
 from processing.live.live_view import LiveView
 from processing.live.stream import LinkState, RecordingState
 from processing.survey import Finding, Severity
@@ -317,6 +319,20 @@ def test_the_meter_says_in_words_what_is_wrong(bench, changes, words):
     bench.control.look()
     assert words in bench.page.meter.words
     assert words in bench.page.sound_badge.text
+
+
+def test_why_a_device_is_not_there_is_said_where_it_would_be_seen(bench):
+    bench.enter()
+    bench.recorder.change_sound(state=LinkState.WAITING)
+    bench.recorder.sound_fault = LeaklineError(ErrorCode.SOUND_DEVICE_MISSING, name="USB Mic", known="Built-in")
+    bench.recorder.change_motion(state=LinkState.WAITING, reason="imu_denied")
+    bench.control.look()
+    assert "Built-in" in bench.page.spectrogram._hint
+    assert messages.text("reasons", "imu_denied") in bench.page.strips._hint
+    assert not bench.page.messages.banner.isVisible()  # nothing is being lost yet
+    bench.press()
+    bench.control.look()
+    assert "waiting for it" in bench.page.messages.banner.text()
 
 
 # --- markers ---

@@ -49,6 +49,7 @@ class ScriptedRecorder:
         self.wish, self.asked, self.feed = wish, [], Feed()
         self.folder = folder or Path("/nowhere/Main-2026-11-22.leakline")
         self.points, self.threads, self.sheets = [], set(), []
+        self.sound_fault = None
         self.fail_open = self.fail_begin = self.fail_mark = None
         self.now_s = time.monotonic
         self.current = RecordingStatus(
