@@ -165,13 +165,21 @@ def _on_a_small_disc(folder, audio, environment):
     script = f'{mounted} && "$@"; status=$?; cp -r "$0/full.leakline" "{folder}"; exit $status'
     words = leakline("record", *audio, "--out", disc / "full", "--wait", PATIENCE_S, "--seconds", "60")
     return subprocess.Popen(
-        [*mount, script, disc, *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        [*mount, script, disc, *words],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
     )
 
 
 def _end(process):
-    if process is not None:
-        process.kill()
+    if process is None:
+        return
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGKILL)  # the shell and what it started
+    if not process.stdout.closed:
         process.communicate(timeout=PATIENCE_S)
 
 
