@@ -16,6 +16,7 @@ _LEAST_FLAGGED_S = 0.002
 _SIGMAS = 6.0
 _SCATTERS = 4.0
 _MOST_LOST_S = 3600.0
+_LEAST_DRIFT_SIGMA_PPM = 0.05  # what two crystals wander against each other within a survey
 _BACK_S = 0.5  # so much too early: the host's clock was set, not ours
 
 
@@ -190,4 +191,5 @@ def sound_to_survey(sound: SoundTimeline, device: DeviceTimeline) -> ClockGuess 
         sigma_s.append(float(np.hypot(sound_sigma_s, told[1])))
     drift = (ends_s[1] - ends_s[0]) / (survey_s[1] - survey_s[0]) - 1.0
     drift_sigma_ppm = float(np.hypot(sound.fit.drift_sigma_ppm, device.fit.drift_sigma_ppm))
+    drift_sigma_ppm = float(np.hypot(drift_sigma_ppm, _LEAST_DRIFT_SIGMA_PPM))
     return ClockGuess(survey_s[0], 1e6 * drift, sigma_s[0], drift_sigma_ppm)

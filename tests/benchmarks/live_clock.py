@@ -68,7 +68,8 @@ def fits(hours, seeds):
                 at = np.linspace(0, len(sent.device_s) - 1, 500).astype(int)
                 error_s = np.abs(fit.host_of(sent.device_s[at]) - sent.true_s[at])
                 worst = max(worst, float(error_s.max()))
-                sigmas = max(sigmas, float((error_s / fit.sigma_s_at(sent.device_s[at])).max()))
+                sigma_s = np.hypot(fit.sigma_s_at(sent.device_s[at]), 1 / rate_hz / np.sqrt(12))  # as survey_s tells it
+                sigmas = max(sigmas, float((error_s / sigma_s).max()))
                 drifts.append(fit.drift_ppm - ppm)
                 ppm_sigma = fit.drift_sigma_ppm
             print(

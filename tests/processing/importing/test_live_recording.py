@@ -9,12 +9,17 @@ import soundfile
 from arrivals import frames_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_survey import RATE_HZ as SURVEY_RATE
+from small_survey import SURVEY, make_device_folder
 
 from processing import messages
 from processing.importing.folder import ImportOptions, import_folder, preview_folder
 from processing.importing.frames import encode
 from processing.importing.live_journal import MOST_BYTES, journal_in
+from processing.pipeline import process
+from processing.settings import Settings
 from processing.sound.gaps import gap_stretches, outside, told_once
+from processing.storage.cache import Cache
 from processing.survey import AudioGap, AudioSource, Channel, ClockMap, Stretch
 
 RATE, IMU_RATE = 8000, 200
@@ -196,3 +201,25 @@ def test_a_single_part_can_still_be_opened_by_itself(tmp_path):
     write_parts(tmp_path, [0, 2000, 4000])
     recording = import_folder(tmp_path, ImportOptions(imu_file=tmp_path / "imu-002.lkf"))
     assert len(recording.imu.time_s) == 2000
+
+
+def test_zeros_of_a_gap_are_neither_a_quiet_pipe_nor_an_edge_of_a_leak(tmp_path):
+    device = make_device_folder(tmp_path)
+    sound, _ = soundfile.read(device / "audio.wav")
+    spans = [(20.0, 23.0), (30.0, 30.005), (35.0, 35.03)]
+    for start_s, end_s in spans:
+        sound[round(start_s * SURVEY_RATE) : round(end_s * SURVEY_RATE)] = 0.0
+    soundfile.write(device / "audio.wav", sound, SURVEY_RATE, subtype="PCM_16")
+    lines = [
+        ("sound_gap", {"frame": round(a * SURVEY_RATE), "frames": round((b - a) * SURVEY_RATE), "reason": "gone"})
+        for a, b in spans
+    ]
+    write_journal(device, *lines, ("stopped", {}))
+    recording = import_folder(device)
+    results = process(SURVEY, recording, Settings(), Cache(tmp_path / "cache"))
+    told = [s for s in results.not_assessed if s.channel is Channel.SOUND]
+    assert [(s.start_s, s.end_s) for s in told] == [pytest.approx((a - 0.1, b + 0.1), abs=1e-3) for a, b in spans]
+    assert {s.reason for s in told} == {"live_sound_lost"}
+    assert not [c for c in results.candidates if any(s.start_s <= c.time_s <= s.end_s for s in told)]
+    felt = results.clock_fit.heard_s
+    assert not any(a - 0.1 <= t <= b + 0.1 for t in felt for a, b in spans)

@@ -204,7 +204,15 @@ surveys = st.builds(
     info=st.builds(SurveyInfo, words, words, st.dates().map(lambda d: d.isoformat()) | st.just(""), words),
     pipe=st.builds(PipeInfo, words, maybe(positive), maybe(positive)),
     device=st.builds(DeviceInfo, st.sampled_from(Motion), maybe(positive)),
-    audio=st.builds(AudioInfo, maybe(words), st.integers(0, 255), maybe(metres), maybe(st.floats(-500, 500))),
+    audio=st.builds(
+        AudioInfo,
+        maybe(words),
+        st.integers(0, 255),
+        maybe(metres),
+        maybe(st.floats(-500, 500)),
+        start_sigma_s=maybe(st.floats(1e-6, 10.0)),
+        drift_sigma_ppm=maybe(st.floats(1e-6, 100.0)),
+    ),
     launch=st.builds(Launch, elevation_m=maybe(st.floats(-100, 100)), crs=maybe(words)),
     tie_points=st.lists(tie_points, max_size=3).map(tuple),
     route=maybe(
@@ -240,6 +248,14 @@ def test_overrides_reach_the_survey_first_and_the_settings_next():
     assert survey.device == DeviceInfo(Motion.FOOT, 0.05)
     assert (survey.processing.orientation, survey.info.date, survey.audio.channel) == ("madgwick", "2026-05-04", 1)
     assert tuned.sound.band_low_hz == 600.0
+
+
+def test_a_clock_that_is_overridden_is_no_measurement_any_more():
+    measured = AudioInfo(start_time_s=1.0, drift_ppm=2.0, start_sigma_s=0.01, drift_sigma_ppm=0.5)
+    survey, _ = apply_override(Survey(audio=measured), Settings(), "audio.channel=1")
+    assert survey.audio == dataclasses.replace(measured, channel=1)
+    survey, _ = apply_override(Survey(audio=measured), Settings(), "audio.start_time_s=1.5")
+    assert survey.audio == AudioInfo(start_time_s=1.5, drift_ppm=2.0)
 
 
 def test_an_empty_override_makes_a_key_unknown_again():
