@@ -177,15 +177,17 @@ class RecordingPanel(QWidget):
             self._say(self.disc, "")
             return
         size = number_text(disc.free_bytes / 1e9, 0 if disc.free_bytes > 10e9 else 1, self.locale())
+        free = self.tr("disc: {size} GB free").format(size=size)
+        self.disc.setToolTip(free)
         if disc.seconds_left is None:
-            self._say(self.disc, self.tr("disc: {size} GB free").format(size=size))
+            self._say(self.disc, free)
             return
         low = disc.seconds_left < SPACE_LOW_S
         hours = clock_text(disc.seconds_left).rpartition(":")[0]
         if disc.seconds_left > 20 * 3600:
             hours = count_text(min(int(disc.seconds_left / 3600), 999))
-        text = self.tr("⚠ disc: {hours} h left") if low else self.tr("disc: {hours} h ({size} GB)")
-        self._say(self.disc, text.format(hours=hours, size=size), warn=low)
+        text = self.tr("⚠ disc: {hours} h left") if low else self.tr("disc: {hours} h left")
+        self._say(self.disc, text.format(hours=hours), warn=low)
 
     def _say(self, label: QLabel, text: str, *, warn: bool = False) -> None:
         key = f"{warn}{text}"

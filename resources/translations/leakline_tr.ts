@@ -2971,8 +2971,8 @@ kapatılıyor …</translation>
         <translation>pil %{part}</translation>
     </message>
     <message>
-        <source>disc: {hours} h ({size} GB)</source>
-        <translation>disk: {hours} saat ({size} GB)</translation>
+        <source>disc: {hours} h left</source>
+        <translation>disk: {hours} saat kaldı</translation>
     </message>
     <message>
         <source>disc: {size} GB free</source>
