@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from processing.errors import LeaklineError
+from processing.importing.live_journal import MOST_BYTES
 from processing.live.check_sheet import CheckSheet
 from processing.storage.journal import JOURNAL_NAME, JournalEvent, read_journal
 
@@ -15,8 +16,10 @@ def check_sheets(folder: Path) -> tuple[CheckSheet, ...]:
     if not journal.is_file():
         return ()
     try:
+        if journal.stat().st_size > MOST_BYTES:
+            return ()
         lines = read_journal(journal)
-    except LeaklineError:  # the recording itself may be as good as ever
+    except (OSError, LeaklineError):  # the recording itself may be as good as ever
         return ()
     found = [CheckSheet.from_json(line.values) for line in lines if line.event == JournalEvent.CHECK]
     return tuple(sheet for sheet in found if sheet is not None)[-MOST_SHEETS:]

@@ -3,7 +3,6 @@
 The journal is a file like any other: its values are checked, what is unknown or makes no sense is passed over.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,6 +19,7 @@ RESTARTED = "live_restart"
 _LOST = "live_lost"
 _SOUND_LOST = "live_sound_lost"
 _LONGEST_S = 1e6
+_MOST = 1 << 48  # frames or samples
 _JOIN_S = 1.0  # gaps of the sound closer than this are one
 
 
@@ -120,28 +120,30 @@ def _sound_gap(line: JournalLine) -> tuple[int, int, str] | None:
     if line.event != JournalEvent.SOUND_GAP:
         return None
     first, frames = line.values.get("frame"), _whole(line.values.get("frames"))
-    if isinstance(first, bool) or not isinstance(first, int) or first < 0 or not frames:
+    if isinstance(first, bool) or not isinstance(first, int) or not 0 <= first < _MOST or not frames:
         return None
     return first, frames, _reason(line.values.get("reason"), _SOUND_LOST)
 
 
 def _hole(line: JournalLine) -> Stretch | None:
     start_s, end_s = _seconds(line.values.get("start_s")), _seconds(line.values.get("end_s"))
-    if start_s is None or end_s is None or not start_s < end_s:
+    if start_s is None or end_s is None or not max(start_s, 0.0) < end_s:  # before the recording nothing was missed
         return None
     return Stretch(max(start_s, 0.0), end_s, Channel.PATH, _reason(line.values.get("reason"), _LOST))
 
 
 def _whole(value: Any) -> int:  # noqa: ANN401  # any JSON value
     """Return a count, 0 for what is none."""
-    is_count = isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 1 << 48
+    is_count = isinstance(value, int) and not isinstance(value, bool) and 0 <= value < _MOST
     return int(value) if is_count else 0
 
 
 def _seconds(value: Any) -> float | None:  # noqa: ANN401  # any JSON value
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    return float(value) if abs(value) <= _LONGEST_S else None
+    return (
+        float(value) if abs(value) <= _LONGEST_S else None
+    )  # of a NaN nothing is true; some whole numbers are no floats
 
 
 def _reason(value: Any, otherwise: str) -> str:  # noqa: ANN401  # any JSON value

@@ -9,6 +9,7 @@ Params = Mapping[str, str | float]  # as in the vocabulary, which has a place fo
 
 MAX_ITEMS = 60
 _LONGEST_TEXT = 200
+_LARGEST = 1e300
 
 
 class Light(StrEnum):
@@ -75,7 +76,7 @@ def _item(entry: object) -> CheckItem | None:
     for name, value in params.items() if isinstance(params, Mapping) else ():
         if isinstance(value, str):
             told[str(name)] = value[:_LONGEST_TEXT]
-        elif isinstance(value, int | float):
+        elif isinstance(value, int | float) and abs(value) <= _LARGEST:  # neither NaN nor a number that is no float
             told[str(name)] = float(value)
     return CheckItem(key[:40], Light(light), verdict[:40], told)
 
