@@ -39,7 +39,7 @@ def record(sound_server):
         assert sound.stop()
 
 
-@pytest.mark.parametrize(("rate_hz", "channels", "bits"), [(48_000, 1, 24), (96_000, 2, 16), (96_000, 2, 24)])
+@pytest.mark.parametrize(("rate_hz", "channels", "bits"), [(48_000, 1, 16), (96_000, 2, 24)])
 def test_what_is_played_arrives_bit_by_bit(sound_server, record, tmp_path, rate_hz, channels, bits):
     sound_server.reform(rate_hz, channels)
     low = 2 ** (bits - 1)
@@ -136,7 +136,8 @@ def test_a_file_as_device_arrives_in_order_and_what_found_no_room_is_counted(sou
 
     def slowly(block):
         if len(blocks) == 5:
-            time.sleep(0.3)  # this device waits for nobody: it brings a minute of sound in the time
+            # this device waits for nobody: it brings a minute of sound in a tenth of a second
+            wait_for(lambda: sound._handover.refused_frames > 0, "the queue to be full")
         blocks.append(block)
 
     sound = record(slowly, AudioChoice("ramp", 48_000, 1), queue_s=2.0)
@@ -145,7 +146,8 @@ def test_a_file_as_device_arrives_in_order_and_what_found_no_room_is_counted(sou
     within = [b for b in blocks if b.first_frame + len(b.frames) <= len(ramp)]
     for block in within:
         np.testing.assert_array_equal(block.frames[:, 0], ramp[block.first_frame :][: len(block.frames)])
-    lost = [b for b in within if b.lost_before]
+    assert len(within) > 5
+    lost = [b for b in blocks if b.lost_before]
     assert lost
     assert {b.reason for b in lost} == {"sound_behind"}
 
