@@ -58,6 +58,7 @@ class AudioInput:
         self._device = ""
         self._source: Source | None = None  # of the first opening; no other may take its place
         self._rate_hz = 0
+        self._has_failed = False
         self._meter: LevelMeter | None = None
         self._place: Placing | None = None
         self._watcher = threading.Thread(target=self._watch, name="sound-device", daemon=True)
@@ -142,18 +143,27 @@ class AudioInput:
     def _watch(self) -> None:
         while not self._stop.is_set():
             try:
-                device, stream, callback = self._open()
+                pause_s = self._hear()
             except LeaklineError as error:
                 with self._lock:
                     self._fault = error
                 log.debug("sound input not open: %s", error)
-                self._stop.wait(RETRY_S)
-                continue
-            try:
-                pause_s = self._look_after(device, callback)
-            finally:
-                self._close(stream)
+                pause_s = RETRY_S
+            except Exception as error:  # the sound system fails as nobody thought: as good as gone, and tried again
+                log.log(logging.DEBUG if self._has_failed else logging.ERROR, "the sound input failed", exc_info=True)
+                self._has_failed = True
+                fault = LeaklineError(ErrorCode.SOUND_SYSTEM_HANGS, reason=repr(error))
+                self._is(LinkState.WAITING if self._state is LinkState.WAITING else LinkState.LOST, fault)
+                pause_s = RETRY_S
             self._stop.wait(pause_s)
+
+    def _hear(self) -> float:
+        """Open the device and let it run as long as it does; return the pause before it is opened again."""
+        device, stream, callback = self._open()
+        try:
+            return self._look_after(device, callback)
+        finally:
+            self._close(stream)
 
     def _open(self) -> tuple[AudioDevice, OpenInput, Callback]:
         device = named(self._choice, self._devices())

@@ -46,15 +46,20 @@ def library() -> Any:  # noqa: ANN401  # sounddevice has no types
 def refresh() -> bool:
     """See the devices that are there now; returns False, and leaves all as it was, while a stream is open.
 
-    Raises LeaklineError (SOUND_LIBRARY_MISSING, or SOUND_SYSTEM_HANGS where another thread waits for the system).
+    Raises LeaklineError (SOUND_LIBRARY_MISSING, or SOUND_SYSTEM_HANGS where another thread waits for the system, or it
+    cannot be begun anew now).
     """
     sounddevice = library()
     with _held.locked():
         if _held.streams:
             return False
         # python-sounddevice offers these two for just this, but has no public name for them (its issue 3)
-        sounddevice._terminate()  # noqa: SLF001
-        sounddevice._initialize()  # noqa: SLF001
+        try:
+            if sounddevice._initialized:  # noqa: SLF001  # not so where it could not be begun the last time
+                sounddevice._terminate()  # noqa: SLF001
+            sounddevice._initialize()  # noqa: SLF001
+        except sounddevice.PortAudioError as error:  # while the sound server is being started again
+            raise LeaklineError(ErrorCode.SOUND_SYSTEM_HANGS, reason=str(error)) from error
         return True
 
 
