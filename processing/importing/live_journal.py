@@ -141,9 +141,8 @@ def _whole(value: Any) -> int:  # noqa: ANN401  # any JSON value
 def _seconds(value: Any) -> float | None:  # noqa: ANN401  # any JSON value
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    return (
-        float(value) if abs(value) <= _LONGEST_S else None
-    )  # of a NaN nothing is true; some whole numbers are no floats
+    # compared before it is made a float, which the largest whole numbers cannot be; nothing is true of a NaN
+    return float(value) if abs(value) <= _LONGEST_S else None
 
 
 def _reason(value: Any, otherwise: str) -> str:  # noqa: ANN401  # any JSON value

@@ -28,6 +28,7 @@ _MEMORY = 4096  # samples in which a repeated one is looked for
 _STEPS = 512  # of which the period is the median
 _LOOK_EVERY = 64  # steps
 _LARGEST_US = 1 << 62
+RESTARTED = "live_restart"
 
 
 @dataclass(frozen=True)
@@ -240,7 +241,7 @@ class DeviceClock:
         self._shift_us = axis_us - raw[row]
         if self._device_us is not None:
             events.restarts += 1
-        events.holes.append(Hole(self.latest.axis_us, axis_us, "live_restart"))
+        events.holes.append(Hole(self.latest.axis_us, axis_us, RESTARTED))
         self._fit.begin_block()
         missing = round((axis_us - self.latest.axis_us) / period_us) if self.period_us else 1
         self._put(raw[row], axis_us, sent, self.latest.counter + max(missing, 1), host_s, taken)

@@ -6,7 +6,7 @@ import numpy as np
 
 from processing.importing.frames import Frames
 from processing.live.arrival_fit import ArrivalFit
-from processing.live.device_clock import DeviceClock, Events
+from processing.live.device_clock import RESTARTED, DeviceClock, Events, Latest
 from processing.live.paced_clock import PacedClock
 from processing.survey import Channel, FloatArray, ImuSamples, Stretch
 
@@ -77,12 +77,14 @@ class DeviceTimeline:
             has_time: whether the device sends its time.
         """
         kind = DeviceClock if has_time else PacedClock
+        latest = self._clock.latest if self._clock is not None else None
         if not isinstance(self._clock, kind):
-            latest = self._clock.latest if self._clock is not None else None
             self._clock = kind(self._fit, latest)
         placed, events = self._clock.place(frames, host_s)
         if self._origin_us is None and len(placed):
             self._origin_us = int(placed.time_us[0])
+            if latest is not None:
+                _forget_before(placed, latest, events)
         return self._told(placed, events)
 
     def survey_s(self, host_s: float) -> tuple[float, float] | None:
@@ -121,6 +123,16 @@ class DeviceTimeline:
         )
         gap_s = max((h.end_s - h.start_s for h in holes), default=0.0)
         return Placed(frames, events.lost, events.repeated, events.absurd, events.restarts > 0, gap_s, holes)
+
+
+def _forget_before(placed: Frames, latest: Latest, events: Events) -> None:
+    """Take back what was odd before the first of ``placed``: a pause before a recording is none of its own."""
+    earlier = [hole for hole in events.holes if hole.start_us < int(placed.time_us[0])]
+    events.holes = [hole for hole in events.holes if hole not in earlier]
+    restarts = sum(hole.reason == RESTARTED for hole in earlier)
+    events.restarts -= restarts
+    if not restarts:  # those say nothing of how many are missing
+        events.lost -= min(events.lost, max(int(placed.counter[0]) - 1 - latest.counter, 0))
 
 
 def _held(values: np.ndarray) -> FloatArray | None:

@@ -236,3 +236,31 @@ def test_a_device_that_begins_to_send_times_goes_on_on_the_same_axis():
     after = told_by(timeline, frames_at(micro(second.device_s)), second.host_s)
     assert after.axis_s[0] > before.axis_s[-1]
     assert np.abs(after.axis_s - (second.true_s - 1000.0)).max() < 0.03
+
+
+@pytest.mark.parametrize("has_time", [True, False])
+@pytest.mark.parametrize("is_new_clock", [True, False])
+def test_a_pause_before_the_first_sample_of_a_recording_is_none_of_the_recordings(is_new_clock, has_time):
+    first = sent(10, 100, seed=1)
+    second = sent(10, 100, seed=2, host_origin_s=1070.0)
+    timeline = DeviceTimeline()
+    told_by(timeline, frames_at(micro(first.device_s)), first.host_s, has_time=has_time)
+    timeline.begin()  # the device is away
+    begun_us = 1234 if is_new_clock else T0_US + 70_000_000
+    counter = np.arange(1000) + (0 if is_new_clock else 6000)
+    told = told_by(timeline, frames_at(micro(second.device_s, begun_us), counter), second.host_s, has_time=has_time)
+    assert [told.total(name) for name in ("lost", "restarted", "gap_s")] == [0, 0, 0]
+    assert told.holes == []
+    assert len(told.frames) == 1000
+
+
+def test_a_pause_after_the_first_sample_of_a_recording_is_told_though_it_came_with_it():
+    stream = sent(10, 100, seed=1)
+    timeline = DeviceTimeline()
+    told_by(timeline, frames_at(micro(stream.device_s)), stream.host_s)
+    timeline.begin()
+    later_us = T0_US + 20_000_000 + 10_000 * np.array([0, 1, 2, 10, 11])  # seven are missing
+    frames = frames_at(later_us, 2000 + np.array([0, 1, 2, 10, 11]))
+    placed = timeline.place(frames, float(stream.host_s[-1]) + 10.11, True)
+    assert placed.lost == 7
+    assert [(hole.start_s, hole.end_s) for hole in placed.holes] == [pytest.approx((0.02, 0.1), abs=1e-4)]
