@@ -105,7 +105,12 @@ class Recorder:
 
     def close(self) -> None:
         """Stop a recording, let the devices go and end all threads; a second call does no harm."""
-        self.stop()
+        try:
+            self.stop()
+        finally:  # a fault of ours while it ends is no reason to keep the devices
+            self._let_go()
+
+    def _let_go(self) -> None:
         with self._lock:
             if self._is_closed:
                 return
@@ -287,15 +292,11 @@ class Recorder:
         """Bring a recording to its end: in the thread that asked, once."""
         take.ended_s = time.monotonic()
         try:
-            if self._sound is not None:
-                self._sound.end(take.ended_s, self._drain_s)
-            if self._motion is not None:
-                self._motion.end()
-            take.findings = self._told.findings  # what is noticed from here on is not of this recording
-            take.settle()
-            self._told.note("counts", **take.counts())
-            self._told.attach(None)
-            take.writer.close()
+            try:
+                self._take_last(take, take.ended_s)
+            finally:  # the files come to their end whatever happened before
+                self._told.attach(None)
+                take.writer.close()
         finally:
             fault = take.writer.fault
             if fault is not None:
@@ -309,6 +310,15 @@ class Recorder:
                 self._state = RecordingState.STOPPED if fault is None else RecordingState.FAILED
             take.done.set()
 
+    def _take_last(self, take: Take, ended_s: float) -> None:
+        if self._sound is not None:
+            self._sound.end(ended_s, self._drain_s)
+        if self._motion is not None:
+            self._motion.end()
+        take.findings = self._told.findings  # what is noticed from here on is not of this recording
+        take.settle()
+        self._told.note("counts", **take.counts())
+
     # --- the thread that looks after everything
 
     def _look_after(self) -> None:
@@ -320,14 +330,14 @@ class Recorder:
                 log.exception("looking after the recording failed")
 
     def _look(self) -> None:
-        now, take = time.monotonic(), self._take
+        now = time.monotonic()
+        take = self._take if self._state is RecordingState.RECORDING else None
+        if take is not None and take.writer.fault is not None:
+            self.stop()
+            return
         if self._sound is not None:
             self._sound.look(now)
         if self._motion is not None:
             self._motion.look(now)
-        if take is None or self._state is not RecordingState.RECORDING:
-            return
-        if take.writer.fault is not None:
-            self.stop()
-            return
-        take.look(now)
+        if take is not None:
+            take.look(now)
