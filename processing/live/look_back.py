@@ -20,8 +20,8 @@ from processing.survey import FloatArray, ImuSamples, ProcessingChoice, Survey
 _RATE_HZ = 120.0  # a quicker device is thinned to at most so much: the ball turns by less than 0.1 rad in between
 _FIRST_S = 15.0
 _EVERY_S = 60.0
-_MOST_S = 600.0
-_KEPT_S = 300.0  # of the window when it has become too long
+_MOST_S = 360.0  # a look over six minutes holds the others up for a sixth of a second
+_KEPT_S = 180.0  # of the window when it has become too long
 _REST_S = 5.0  # so much of the last rest stays, for the gyro's offset
 
 
