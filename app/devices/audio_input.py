@@ -244,9 +244,11 @@ class AudioInput:
                 chunk = self._handover.take(timeout_s=1.0)
             except queue.Empty:
                 continue
-            blocks = self._placed(chunk)
-            for block in blocks:
-                self._deliver(block)
+            try:
+                for block in self._placed(chunk):
+                    self._deliver(block)
+            except Exception:  # a fault of ours costs one block, not the recording
+                log.exception("a block of sound could not be placed or measured")
             if chunk is None:
                 return
 
@@ -260,9 +262,9 @@ class AudioInput:
     def _deliver(self, block: SoundBlock) -> None:
         with self._lock:
             meter = self._meter
-        assert meter is not None  # made with the placing
-        meter.add(block.frames)
         try:
             self._on_block(block)
         except Exception:  # a fault of whoever takes the sound must not end the stream
             log.exception("a block of sound was not taken")
+        assert meter is not None  # made with the placing
+        meter.add(block.frames)

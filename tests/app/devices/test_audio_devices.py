@@ -150,7 +150,8 @@ def test_who_asks_while_the_system_hangs_is_told_and_not_held_up(monkeypatch):
         hangs.set()
         go_on.wait(10.0)
 
-    monkeypatch.setitem(sys.modules, "sounddevice", SimpleNamespace(_terminate=hang, _initialize=lambda: None))
+    system = SimpleNamespace(_initialized=1, _terminate=hang, _initialize=lambda: None, PortAudioError=OSError)
+    monkeypatch.setitem(sys.modules, "sounddevice", system)
     other = threading.Thread(target=portaudio.refresh, daemon=True)
     other.start()
     try:
