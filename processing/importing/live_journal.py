@@ -21,6 +21,7 @@ _SOUND_LOST = "live_sound_lost"
 _LONGEST_S = 1e6
 _MOST = 1 << 48  # frames or samples
 _JOIN_S = 1.0  # gaps of the sound closer than this are one
+_MOST_GAPS = 1000  # that are kept apart: a bad cable for hours is one trouble
 
 
 @dataclass(frozen=True)
@@ -82,23 +83,38 @@ def journal_in(folder: Path) -> tuple[Journal | None, tuple[Finding, ...]]:
 
 
 def with_gaps(audio: AudioSource, journal: Journal) -> AudioSource:
-    """Return the sound with the spans in which nothing was heard, though the file has zeros there."""
+    """Return the sound with the spans in which nothing was heard, though the file has zeros there.
+
+    Gaps that are close together are one; the more there are, the further apart that is.
+    """
     rate_hz, end_s = audio.sample_rate_hz, audio.duration_s
-    gaps: list[AudioGap] = []
-    for first, frames, reason in sorted(journal.sound_gaps):
-        start_s, stop_s = first / rate_hz, min((first + frames) / rate_hz, end_s)
-        if start_s >= end_s:
-            break
-        if gaps and start_s - gaps[-1].end_s <= _JOIN_S:
-            gaps[-1] = replace(gaps[-1], end_s=max(gaps[-1].end_s, stop_s))
-        else:
-            gaps.append(AudioGap(start_s, stop_s, reason))
+    gaps = [
+        AudioGap(first / rate_hz, min((first + frames) / rate_hz, end_s), reason)
+        for first, frames, reason in sorted(journal.sound_gaps)
+        if first / rate_hz < end_s
+    ]
+    join_s = _JOIN_S
+    gaps = _joined(gaps, join_s)
+    while len(gaps) > _MOST_GAPS:
+        join_s *= 2.0
+        gaps = _joined(gaps, join_s)
     return replace(audio, gaps=tuple(gaps))
+
+
+def _joined(gaps: list[AudioGap], join_s: float) -> list[AudioGap]:
+    out: list[AudioGap] = []
+    for gap in gaps:
+        if out and gap.start_s - out[-1].end_s <= join_s:
+            out[-1] = replace(out[-1], end_s=max(out[-1].end_s, gap.end_s))
+        else:
+            out.append(gap)
+    return out
 
 
 def with_restarts(stretches: tuple[Stretch, ...], journal: Journal, end_s: float) -> tuple[Stretch, ...]:
     """Return the spans without motion, those in which the device began anew with that reason."""
     again = [gap for gap in journal.motion_gaps if gap.reason == RESTARTED and gap.end_s <= end_s + 1.0]
+    again = again[:_MOST_GAPS]
     kept = [s for s in stretches if not any(_is_within(s, gap) for gap in again)]
     return tuple(sorted([*kept, *again], key=lambda s: (s.start_s, s.end_s)))
 

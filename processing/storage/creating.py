@@ -12,6 +12,7 @@ from processing.progress import Progress, silent
 from processing.storage import database as db_file
 from processing.storage.documents import write_survey
 from processing.storage.files import copy_hashed, reading, safe_name, sync_folder, writing
+from processing.storage.journal import JOURNAL_NAME
 from processing.storage.lock import acquire, is_abandoned
 from processing.storage.plain import storable
 from processing.survey import ImportedFile, Survey
@@ -86,6 +87,8 @@ class _Source:
 def _role(path: Path) -> str:
     if path.suffix.lower() == ".toml":
         return "survey"
+    if path.name == JOURNAL_NAME:
+        return "journal"
     return "audio" if path.suffix.lower() in _AUDIO else "imu"
 
 

@@ -2,6 +2,7 @@
 
 import json
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,12 +16,12 @@ from small_survey import SURVEY, make_device_folder
 from processing import messages
 from processing.importing.folder import ImportOptions, import_folder, preview_folder
 from processing.importing.frames import encode
-from processing.importing.live_journal import MOST_BYTES, journal_in
+from processing.importing.live_journal import MOST_BYTES, Journal, journal_in, with_gaps
 from processing.pipeline import process
 from processing.settings import Settings
 from processing.sound.gaps import gap_stretches, outside, told_once
 from processing.storage.cache import Cache
-from processing.survey import AudioGap, AudioSource, Channel, ClockMap, Stretch
+from processing.survey import AudioGap, AudioPart, AudioSource, Channel, ClockMap, Stretch
 
 RATE, IMU_RATE = 8000, 200
 
@@ -184,6 +185,17 @@ def test_a_journal_of_impossible_size_is_not_read(tmp_path):
     journal, (finding,) = journal_in(tmp_path)
     assert journal is None
     assert finding.code == "live_journal_unreadable"
+
+
+def test_thousands_of_gaps_become_few_and_hide_none():
+    audio = AudioSource((AudioPart(Path("a.wav"), 43_200 * RATE),), RATE, 1)
+    lost = tuple((nth * 3 * RATE, 80, "live_sound_lost") for nth in range(14_400))
+    gaps = with_gaps(audio, Journal(Path("recording.jsonl"), lost)).gaps
+    assert len(gaps) <= 1000
+    starts, ends = np.array([g.start_s for g in gaps]), np.array([g.end_s for g in gaps])
+    at_s = np.array([first for first, _, _ in lost]) / RATE
+    which = np.searchsorted(starts, at_s, side="right") - 1
+    assert (at_s + 0.01 <= ends[which] + 1e-9).all()
 
 
 def test_a_gap_is_masked_with_its_edges_and_told_once():
