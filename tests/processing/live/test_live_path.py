@@ -129,6 +129,19 @@ def test_however_the_samples_come_the_path_is_the_same(bent_run):
         assert other.chainage_m - true[1] == pytest.approx(usual.chainage_m - true[0], abs=0.06)
 
 
+def test_a_run_longer_than_any_look_back_has_no_seam():
+    run = rolling_run([(5.0, 520.0, 0.5)], 525.0, lambda s: bend(s, 60.0, 1.0, 2.0) + bend(s, 200.0, -2.0, 2.0),
+                      rate_hz=50.0)  # fmt: skip
+    path = follow(with_offset(run.imu), block_s=4.0)
+    pose, line = path.pose(), path.polyline()
+    assert pose.chainage_m == pytest.approx(run.chainage_m[-1], abs=0.5)
+    assert np.hypot(*(np.array(pose.position_w_m) - run.position_w_m[-1])[:2]) < 3.0
+    assert np.all(np.diff(line.chainage_m) >= 0.0)
+    true = np.column_stack([np.interp(line.time_s, run.imu.time_s, axis) for axis in run.position_w_m.T])
+    off = np.hypot(*(line.position_w_m - true)[:, :2].T)
+    assert np.max(np.abs(np.diff(off))) < 0.1  # a seam would be a step
+
+
 def test_rows_that_cannot_be_trusted_move_nothing(bent_run):
     imu = rows_of(bent_run.imu, slice(None))
     bad = np.random.default_rng(1).random(len(imu.time_s)) < 0.05
