@@ -505,3 +505,14 @@ def test_what_was_still_on_its_way_when_the_imu_went_is_not_taken_for_its_return
     wait_until(lambda: one.recorder.status().motion.samples == 560)
     back = next(finding for finding in one.recorder.status().findings if finding.code == "recorder_imu_back")
     assert back.params["gap_s"] == pytest.approx(5.1 - 1.3)
+
+
+def test_a_pause_of_the_imu_that_began_before_the_recording_is_no_gap_in_it(bench):
+    one = bench()
+    one.move(400)
+    one.ball.go(LinkState.LOST, "imu_unplugged")
+    folder = one.recorder.start()
+    one.move(400, skip=1200)
+    one.recorder.stop()
+    assert values_of(folder, "motion_gap") == []
+    assert (one.recorder.status().motion.lost, one.recorder.status().motion.samples) == (0, 400)
