@@ -252,7 +252,7 @@ class SoundIntake:
         elif self._lost_since_s is not None and self._state is LinkState.LIVE:  # else it may be from before the loss
             self._tell_return(block)
         if self._sink is not None:
-            self._write(self._sink, first, block)
+            self._write(self._sink, first, block, lost)
         self._frames += count
         self._axis.follow(first, count, block.adc_host_s)
         self._now = (self._end_host_s, (first + count) / rate_hz)
@@ -260,10 +260,16 @@ class SoundIntake:
         self._clock = None if ppm is None or sigma_ppm is None else (ppm, sigma_ppm)
         self._feed.add(replace(block, first_frame=first, lost_before=lost))
 
-    def _write(self, sink: SoundSink, first: int, block: SoundBlock) -> None:
-        """Write a block where it belongs: whatever is missing before it, for whatever reason, becomes silence."""
+    def _write(self, sink: SoundSink, first: int, block: SoundBlock, told: int) -> None:
+        """Write a block where it belongs: whatever is missing before it, for whatever reason, becomes silence.
+
+        What is missing beyond the frames that were ``told`` to be lost did not get here by a fault of ours.
+        """
         missing = first - self._written
         if missing > 0:
+            if missing > told:
+                note = {"frame": self._written, "frames": missing - told, "reason": "live_sound_lost"}
+                self._told.note(JournalEvent.SOUND_GAP, **note)
             sink.write_silence(missing)
             self._written += missing
         sink.write_sound(block.frames)

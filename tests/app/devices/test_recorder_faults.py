@@ -13,6 +13,7 @@ from app.devices.recorder import Makers, Recorder
 from app.devices.recording_plan import RecordingPlan
 from app.devices.take import Take
 from processing.errors import ErrorCode, LeaklineError
+from processing.importing.live_journal import journal_in
 from processing.live.stream import RecordingState
 from processing.storage.folder import SurveyFolder
 from processing.storage.recording_writer import RecordingWriter
@@ -103,3 +104,19 @@ def test_a_recording_whose_disc_failed_is_over_though_looking_at_the_devices_fai
     while recorder.status().state is not RecordingState.FAILED:
         assert time.monotonic() < until, "the state still says that it records"
         time.sleep(0.01)
+
+
+def test_the_silence_in_the_place_of_a_block_that_was_not_taken_is_no_sound_to_the_import(recorder, monkeypatch):
+    folder = recorder.start()
+    recorder.inputs[-1].give(noise(300))
+
+    def burst(_frames):
+        raise OutOfIdeasError
+
+    with monkeypatch.context() as patched:
+        patched.setattr(recorder._take.writer, "write_sound", burst)
+        recorder.inputs[-1].give(noise(100))
+    recorder.inputs[-1].give(noise(200), lost=50)
+    recorder.stop()
+    journal, _ = journal_in(folder / "recordings" / "1" / "original")
+    assert sorted((first, count) for first, count, _ in journal.sound_gaps) == [(300, 100), (400, 50)]
