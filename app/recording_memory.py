@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from app.devices.audio_spec import MOST_CHANNELS
 from app.recording_page import RecordingPage
 from app.settings import surveys_folder
 from processing.survey import Motion, Survey
@@ -36,7 +37,9 @@ def remembered(page: RecordingPage) -> dict[str, str]:
 def recall(page: RecordingPage, values: Mapping[str, str]) -> None:
     """Put it back; what is missing or makes no sense is left as a new page has it."""
     sound = SoundWish(
-        values.get("sound", SoundWish.name), _whole(values, "rate") or None, max(1, _whole(values, "channels") or 1)
+        values.get("sound", SoundWish.name),
+        _whole(values, "rate") or None,
+        min(max(1, _whole(values, "channels") or 1), MOST_CHANNELS),  # the form makes a line of each
     )
     motion = MotionWish(
         values.get("imu", MotionWish.kind),

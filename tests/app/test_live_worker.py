@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scripted_recorder import Feed, motion_block, sound_block
 
 from app import keep_awake as awake
+from app.devices.audio_spec import MOST_CHANNELS
 from app.live_worker import FRAME_S, LiveWorker
 from app.ordered_calls import OrderedCalls
 from app.recording_memory import recall, remembered
@@ -209,6 +210,11 @@ def test_whatever_stands_in_the_preferences_a_page_comes_of_it_and_stays_as_it_i
     first = remembered(page)
     recall(page, first)
     assert remembered(page) == first
+
+
+def test_more_channels_than_any_device_has_do_not_keep_the_page_from_being_built(page):
+    recall(page, {"sound": "x", "channels": "99999999"})
+    assert remembered(page)["channels"] == str(MOST_CHANNELS)
 
 
 def test_a_new_page_hears_the_systems_input_and_stores_in_the_documents(page):
