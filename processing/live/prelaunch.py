@@ -4,6 +4,7 @@ At the end of a run the knocks alone are asked for again (``kind="end"``): they 
 """
 
 from dataclasses import dataclass, field, replace
+from itertools import zip_longest
 
 import numpy as np
 
@@ -110,18 +111,20 @@ class PrelaunchCheck:
 
     def tick(self, host_s: float, around: Surroundings) -> CheckView:
         """Go on to the next phase where this one has what it needs, or has waited long enough."""
-        if self._before is None:
-            self._before = around
-        self._after = around
+        before = self._before or around
+        if self._after is not None and around.motion.samples < self._after.motion.samples:
+            before = replace(before, motion=MotionStatus())  # a recording began, and its counts with it
+        self._before, self._after = before, around
+        clips_since = any(now and not then for now, then in zip_longest(around.sound.clipped, before.sound.clipped))
         passed = host_s - self._phase_s
         if self._phase is Phase.LISTEN:
             self._listened_s = passed
             if passed >= LISTEN_S:
-                self._clipped_quietly = any(around.sound.clipped)
+                self._clipped_quietly = clips_since
                 self._go_on(Phase.REST if self._plan.has_motion else Phase.DONE, host_s)
             return CheckView(self._phase, min(passed / LISTEN_S, 1.0))
         if self._phase is Phase.REST:
-            self._clipped_quietly |= any(around.sound.clipped)
+            self._clipped_quietly |= clips_since
             if self._rest.still_s >= REST_S or passed >= _REST_AT_MOST_S:
                 both = self._plan.has_sound and self._plan.has_motion
                 self._go_on(Phase.KNOCK if both else Phase.DONE, host_s)

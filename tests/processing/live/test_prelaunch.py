@@ -162,3 +162,35 @@ def test_a_sheet_comes_back_from_its_file_and_nonsense_does_not():
     assert CheckSheet.from_json(json.loads(json.dumps(sheet.to_json()))) == sheet
     for nonsense in (None, 3, [], {}, {"items": []}, {"items": [{"key": 1}]}, {"items": "x"}):
         assert CheckSheet.from_json(nonsense) is None
+
+
+def test_a_clip_light_that_was_on_before_the_check_says_nothing_of_the_quiet():
+    bench, clipped = Bench(), SoundStatus(LinkState.LIVE, "mic", float(RATE), 1, clipped=(True,))
+    check = PrelaunchCheck(PLAN, HOST_S, "")
+    for step in range(300):
+        start_s, end_s = step * 0.1, step * 0.1 + 0.1
+        known = around(0, int(start_s * IMU_RATE), sound=clipped)
+        if check.tick(HOST_S + start_s, known).phase is Phase.DONE:
+            break
+        check.add(bench.sound(start_s, end_s), RATE)
+        check.add(bench.motion(start_s, end_s), RATE)
+    assert lights(check.sheet())["level"] is Light.GREEN
+
+
+def test_a_recording_that_begins_during_the_check_starts_the_counts_anew_and_no_share_is_below_nought():
+    bench, begun_s = Bench(), 5.0
+    check = PrelaunchCheck(PLAN, HOST_S, "")
+    for step in range(300):
+        now_s = step * 0.1
+        lost = 700 if now_s < begun_s else 0  # long ago, while only listening
+        samples = int((900.0 + now_s if now_s < begun_s else now_s - begun_s) * IMU_RATE)
+        known = replace(
+            around(int(now_s * RATE)), motion=MotionStatus(LinkState.LIVE, "ball", "", IMU_RATE, samples, lost)
+        )
+        if check.tick(HOST_S + now_s, known).phase is Phase.DONE:
+            break
+        check.add(bench.sound(now_s, now_s + 0.1), RATE)
+        check.add(bench.motion(now_s, now_s + 0.1), RATE)
+    sheet = check.sheet()
+    assert lights(sheet)["motion"] is Light.GREEN
+    assert next(item for item in sheet.items if item.key == "motion").params["lost_pct"] == 0.0
