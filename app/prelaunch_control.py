@@ -19,7 +19,7 @@ from processing.live.check_sheet import CheckSheet, CheckView, Phase
 from processing.live.prelaunch import CheckPlan, PrelaunchCheck, Surroundings
 from processing.live.stream import LinkState, RecordingState, RecordingStatus
 from widgets.optional_number import parse_number
-from widgets.prelaunch_panel import PrelaunchPanel
+from widgets.prelaunch_panel import SPEEDS_MPS, PrelaunchPanel
 
 LOOK_MS = 100
 PLANNED_S = 3600.0  # where nobody said how long it takes
@@ -40,6 +40,8 @@ def recall_check(panel: PrelaunchPanel, preferences: PreferencesStore) -> None:
         full_scale = parse_number(kept.get("check_range_dps", ""))
     except ValueError:
         return
+    if speed is not None and not SPEEDS_MPS[0] <= speed <= SPEEDS_MPS[1]:
+        speed = None
     panel.set_values(speed, full_scale or panel.gyro_range_dps)
 
 

@@ -26,6 +26,7 @@ from widgets.quiet_combo import QuietCombo
 from widgets.recording_words import Mark, paint_mark
 
 _HEIGHT = 40
+SPEEDS_MPS = (0.01, 10.0)
 _RANGES_DPS = (250.0, 500.0, 1000.0, 2000.0, 4000.0)
 _SIGNS = {Light.GREEN: "✓", Light.YELLOW: "!", Light.RED: "X", Light.OPEN: "–"}
 _MARK_PIXELS = 30
@@ -73,7 +74,7 @@ class PrelaunchPanel(QWidget):
         self._sheet: CheckSheet | None = None
         self._rows: list[QWidget] = []
         self._running = False
-        self.speed = OptionalNumber(0.01, 10.0, hint=self.tr("unknown"))
+        self.speed = OptionalNumber(*SPEEDS_MPS, hint=self.tr("unknown"))
         self.speed.setObjectName("check_speed")
         self.speed.value_changed.connect(self.changed)
         self.gyro_range = QuietCombo()

@@ -135,3 +135,6 @@ def test_speed_and_range_are_there_the_next_time(made, tmp_path):
     preferences.change(recording={"check_speed_mps": "fast"})
     recall_check(other, preferences)
     assert other.speed_mps == 0.65
+    preferences.change(recording={"check_speed_mps": "0"})  # which no run has; times are divided by it
+    recall_check(other, preferences)
+    assert other.speed_mps is None
