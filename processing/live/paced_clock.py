@@ -21,6 +21,10 @@ _FIND_AT_MOST_S = 5.0
 _SILENCE_S = 0.15  # in it so many samples may be lost that it matters
 _SILENT_STEPS = 4.0  # usual steps between chunks
 _HOLD_S = 0.4  # after a silence: what waited has come by then
+_HOLD_JITTERS = 6.0  # where a link is late all the time
+_LATE_JITTERS = 4.0
+_LATE_SHARE = 0.01
+_MOST_LATE_S = 1.0
 _LEAST_HOLE_S = 0.05
 _BEHIND_S = 0.3  # the axis against the arrivals of several seconds: another rate
 _BEHIND_FOR_S = 3.0
@@ -57,6 +61,7 @@ class PacedClock:
         self._latest_s = 0.0  # the axis, unrounded
         self._zero_s: float | None = None  # host time of the axis' 0
         self._behind_since_s = 0.0  # host time
+        self._usually_late_s = 0.0  # root mean square of the last hundred chunks
 
     def place(self, frames: Frames, host_s: float) -> tuple[Frames, Events]:
         """Return the samples on the axis, and what was odd; the first second's wait until the rate is known."""
@@ -72,7 +77,7 @@ class PacedClock:
         if self._hold_until_s is None and step_s > max(
             _SILENCE_S, 6e-6 * self.period_us, _SILENT_STEPS * self._chunk_s
         ):
-            self._hold_until_s = host_s + _HOLD_S
+            self._hold_until_s = host_s + max(_HOLD_S, _HOLD_JITTERS * self._usually_late_s)
         elif step_s > 0:
             self._chunk_s += 0.05 * (step_s - self._chunk_s)
         if self._hold_until_s is not None and host_s < self._hold_until_s:
@@ -135,7 +140,7 @@ class PacedClock:
         assert self.latest is not None
         ends = self._index + np.cumsum([len(part) for part in self._held])
         late_s = float(np.min(np.array(self._held_host_s) - self._line_host_s(ends)))
-        if late_s <= max(3e-6 * self.period_us, _LEAST_HOLE_S, 2.0 * self._line.jitter_s):
+        if late_s <= max(3e-6 * self.period_us, _LEAST_HOLE_S, _LATE_JITTERS * self._usually_late_s):
             return
         missing = max(round(1e6 * late_s / self.period_us), 1)
         start_us = self.latest.axis_us
@@ -154,6 +159,8 @@ class PacedClock:
         """Find the rate anew where the arrivals of some seconds are all late, or one is of the future."""
         host_s = self._held_until_s
         late_s = host_s - float(self._line_host_s(self._index))
+        share = _LATE_SHARE * (min(late_s, _MOST_LATE_S) ** 2 - self._usually_late_s**2)
+        self._usually_late_s = float(np.sqrt(max(self._usually_late_s**2 + share, 0.0)))
         if late_s <= _BEHIND_S:
             self._behind_since_s = host_s
         if late_s < -_AHEAD_S or host_s - self._behind_since_s > _BEHIND_FOR_S:
