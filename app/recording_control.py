@@ -272,8 +272,8 @@ class RecordingControl(QObject):
         recorder = self._recorder
         if recorder is None or self._busy:
             return
+        self._busy = True  # first: the end of the markers is told, and whoever hears it may ask to stop
         self.markers.end()
-        self._busy = True
         self._calls.run(recorder.stop, self._on_stop, self._on_not_stopped)
         self.look()
 

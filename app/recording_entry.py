@@ -125,6 +125,7 @@ class RecordingEntry(QObject):
         """Tell whether the window may close now; while it is recorded the second asking ends the recording first."""
         control = self.control
         if control is None or not control.recording:
+            self._close_when_stopped = False
             return True
         if self._close_when_stopped:
             return False
@@ -183,6 +184,8 @@ class RecordingEntry(QObject):
         self._on_changed()
 
     def _on_changed(self) -> None:
+        if self._close_when_stopped and self.control is not None and self.control.recording:
+            self.control.stop()  # it was only about to begin when it was asked to end
         if self.recording and not self.in_front:
             self._timer.start()
         else:

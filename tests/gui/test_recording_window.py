@@ -1,5 +1,7 @@
 """Recording in the whole window: reached by button and keys, marked and stopped by keys, and never ended by mistake."""
 
+import threading
+
 import pytest
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtTest import QTest
@@ -158,6 +160,25 @@ def test_closing_the_window_needs_a_second_time_and_stops_cleanly(window, hand, 
     window.close()
     qtbot.waitUntil(lambda: not window.isVisible(), timeout=5000)
     assert laptop.recorder.asked[-2:] == ["stop", "close"]
+
+
+def test_a_window_that_is_closed_while_a_recording_begins_closes_once_that_has_begun(window, hand, laptop, qtbot):
+    hand.press(KEY.Key_N, CTRL)
+    begins, begin = threading.Event(), laptop.recorder.begin
+
+    def slowly(wish):
+        assert begins.wait(5.0)
+        return begin(wish)
+
+    laptop.recorder.begin = slowly
+    QTest.keyClick(window, KEY.Key_F5)
+    window.close()
+    hand.later_s += 1.0
+    window.close()
+    assert window.isVisible()
+    begins.set()
+    qtbot.waitUntil(lambda: not window.isVisible(), timeout=5000)
+    assert laptop.recorder.asked == ["open", "begin", "stop", "close"]
 
 
 def test_a_page_that_is_built_when_asked_is_there_again_in_the_other_language(application, hand, monkeypatch):
