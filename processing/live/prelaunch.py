@@ -73,6 +73,7 @@ class PrelaunchCheck:
         self._knocks = pair_knocks(np.zeros(0), np.zeros(0), 0.0)
         self._enough_s: float | None = None
         self._counted_s = host_s
+        self._next_frame, self._last_s = 0, -np.inf  # of the streams; a recording that begins counts both anew
 
     def add(self, block: SoundBlock | MotionBlock, rate_hz: float) -> None:
         """Take a block of sound (of ``rate_hz``) or of motion."""
@@ -84,6 +85,9 @@ class PrelaunchCheck:
     def _hear(self, block: SoundBlock, rate_hz: float) -> None:
         if not len(block.frames):
             return
+        if block.first_frame < self._next_frame:  # only knocks that are in the recording are of use
+            self._ear, self._enough_s = None, None
+        self._next_frame = block.first_frame + len(block.frames)
         if self._phase is Phase.LISTEN:
             self._frames += len(block.frames)
             self._lost_frames += block.lost_before
@@ -98,6 +102,10 @@ class PrelaunchCheck:
             self._ear.add(block)
 
     def _feel_block(self, block: MotionBlock) -> None:
+        if float(block.imu.time_s[0]) <= self._last_s:
+            self._feel, self._enough_s = KnockFeel(), None
+            self._rest.interrupt()
+        self._last_s = float(block.imu.time_s[-1])
         good = np.asarray(block.imu.valid)
         acc, gyr = block.imu.acc_s_mps2[good], block.imu.gyr_s_radps[good]
         if len(acc) and self._phase is not Phase.DONE:
@@ -223,6 +231,10 @@ class _Stillness:
         self._rows: list[_Rows] = []
         self._waiting: list[tuple[FloatArray, FloatArray, FloatArray, FloatArray | None]] = []
         self.still_s = 0.0
+
+    def interrupt(self) -> None:
+        """Let the next rows have times that do not continue those before."""
+        self._waiting = []
 
     def add(self, time_s: FloatArray, acc: FloatArray, gyr: FloatArray, mag: FloatArray | None) -> None:
         """Take rows (n, 3); each half second is still, or the rest begins anew."""

@@ -194,3 +194,22 @@ def test_a_recording_that_begins_during_the_check_starts_the_counts_anew_and_no_
     sheet = check.sheet()
     assert lights(sheet)["motion"] is Light.GREEN
     assert next(item for item in sheet.items if item.key == "motion").params["lost_pct"] == 0.0
+
+
+@pytest.mark.parametrize("begun_s", [2.0, 6.0, 13.0])
+def test_a_check_goes_on_when_a_recording_begins_in_its_midst_and_counts_everything_anew(begun_s):
+    bench, check = Bench(), PrelaunchCheck(PLAN, HOST_S, "")
+    for step in range(300):
+        now_s, end_s = step * 0.1, (step + 1) * 0.1
+        sound, motion = bench.sound(now_s, end_s), bench.motion(now_s, end_s)
+        if now_s >= begun_s:
+            sound = replace(sound, first_frame=sound.first_frame - round(begun_s * RATE))
+            motion = replace(motion, imu=replace(motion.imu, time_s=motion.imu.time_s - begun_s))
+        since_s = now_s - begun_s if now_s >= begun_s else now_s
+        if check.tick(HOST_S + now_s, around(int(since_s * RATE), int(since_s * IMU_RATE))).phase is Phase.DONE:
+            break
+        check.add(sound, RATE)
+        check.add(motion, RATE)
+    found = lights(check.sheet())
+    assert found.pop("field") is Light.OPEN
+    assert set(found.values()) == {Light.GREEN}, verdicts(check.sheet())
