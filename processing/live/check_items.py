@@ -24,17 +24,13 @@ class CheckSettings:
     least_samples_a_turn: float = tunable(6.0, "", 2.0, 200.0, "fewer lose turns")
     quiet_acc_mps2: float = tunable(0.15, "m/s²", 0.01, 2.0, "as a rest of the calibration")
     quiet_gyr_dps: float = tunable(1.5, "°/s", 0.1, 20.0, "as a rest of the calibration")
-    bias_green_dps: float = tunable(
-        3.0, "°/s", 0.1, 50.0, "small gyros stay below (data sheets: ±1 to 3)"
-    )
+    bias_green_dps: float = tunable(3.0, "°/s", 0.1, 50.0, "small gyros stay below (data sheets: ±1 to 3)")
     bias_yellow_dps: float = tunable(10.0, "°/s", 0.1, 50.0, "the calibration takes no more for an offset")
     gravity_green_pct: float = tunable(2.0, "%", 0.1, 20.0, "the calibration's own tolerance")
     gravity_yellow_pct: float = tunable(5.0, "%", 0.1, 50.0, "further off is a wrong unit or a broken axis")
     speed_green: float = tunable(1.5, "", 1.0, 10.0, "a ball overtakes the water's mean speed and bounces")
     speed_yellow: float = tunable(1.1, "", 1.0, 10.0, "with less to spare the gyro is at its end in the run")
-    quiet_sound_db: float = tunable(
-        -90.0, "dB", -150.0, 0.0, "the noise of a live microphone is above"
-    )
+    quiet_sound_db: float = tunable(-90.0, "dB", -150.0, 0.0, "the noise of a live microphone is above")
     field_low_ut: float = tunable(22.0, "µT", 0.0, 200.0, "the weakest field of the Earth (World Magnetic Model)")
     field_high_ut: float = tunable(67.0, "µT", 0.0, 200.0, "the strongest")
     knocks: int = tunable(5, "", 3, 20, "three are not enough (acoustics §6)")
