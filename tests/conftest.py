@@ -1,6 +1,7 @@
 """What every test may use: isolation from the user's own files, and the public recordings where they are at hand."""
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,10 @@ from hypothesis import settings
 
 # set before Qt is first imported; a test that needs a real screen starts its own
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+# a shell's background jobs ignore SIGINT, and what the tests start would with them
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # the same examples each time, however busy the machine is; new ones are looked for with --hypothesis-profile=searching
 settings.register_profile("same", derandomize=True, deadline=None)

@@ -44,16 +44,7 @@ def test_a_name_that_is_no_utf_8_is_processed(device_folder, tmp_path):
     assert (done.returncode, done.stderr) == (0, b"")
 
 
-@pytest.fixture
-def interruptible():
-    """Let children be interrupted: a shell's background jobs ignore SIGINT, and what they start would with them."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 @posix_only
-@pytest.mark.usefixtures("interruptible")
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM], ids=lambda s: s.name)
 def test_stopping_leaves_nothing_behind(device_folder, tmp_path, sign):
     scratch = tmp_path / "scratch"
