@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from PySide6.QtCore import QObject, Signal
 
@@ -126,8 +126,7 @@ class RecordingMarkers(QObject):
 
         def amend() -> None:
             if mark.point is not None:  # else it could not be stored, and that was told
-                recorder.unmark()  # it is the last one: a line is finished before the next marker
-                mark.point = recorder.mark(mark.name, chainage_m, host_s=mark.host_s)
+                mark.point = recorder.amend(mark.point, replace(mark.point, name=mark.name, chainage_m=chainage_m))
 
         self._calls.run(amend, lambda _: self._show(), self.failed.emit)
 

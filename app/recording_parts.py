@@ -60,6 +60,9 @@ class RecorderLike(Protocol):
     def mark(self, name: str, chainage_m: float | None = None, *, host_s: float | None = None) -> TiePoint:
         """Store a tie point at a moment of host time, or now; raises LeaklineError."""
 
+    def amend(self, old: TiePoint, new: TiePoint | None) -> TiePoint | None:
+        """Put another tie point in the place of a stored one and return what is kept; raises LeaklineError."""
+
     def unmark(self) -> TiePoint | None:
         """Take the last tie point back; raises LeaklineError."""
 

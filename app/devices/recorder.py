@@ -197,13 +197,12 @@ class Recorder:
         now = time.monotonic() if host_s is None else host_s
         return self._running().mark(now, name, {"chainage_m": chainage_m, **place})
 
-    def amend(self, old: TiePoint, new: TiePoint | None) -> None:
+    def amend(self, old: TiePoint, new: TiePoint | None) -> TiePoint | None:
         """Put another tie point in the place of one that was marked, or take it back; on the disc when this returns.
 
-        Raises:
-            LeaklineError: RECORDING_NOT_RUNNING.
+        Returns what is kept: a time that is known better by now stays so. Raises RECORDING_NOT_RUNNING.
         """
-        self._running().amend(old, new)
+        return self._running().amend(old, new)
 
     def unmark(self) -> TiePoint | None:
         """Take the last marker back and return it, None where there is none; raises RECORDING_NOT_RUNNING."""

@@ -97,17 +97,24 @@ class Take:
         self._wait_stored()
         return point
 
-    def amend(self, old: TiePoint, new: TiePoint | None) -> None:
-        """Put another tie point in the place of a marker, or take it back; raises ValueError for one never set."""
+    def amend(self, old: TiePoint, new: TiePoint | None) -> TiePoint | None:
+        """Put another tie point in the place of a marker, or take it back, and return it with the time known by now.
+
+        Raises:
+            ValueError: no such marker was set.
+        """
         with self._lock:
             at = next((at for at, mark in enumerate(self._marks) if old in (mark.point, mark.told)), None)
             if at is None:
                 raise ValueError(f"no such marker: {old}")
             mark = self._marks[at]
+            if new is not None and new.time_s == old.time_s:
+                new = replace(new, time_s=mark.point.time_s)
             self.writer.amend(mark.point, new)
             kept = () if new is None else (replace(mark, point=new, told=new),)
             self._marks = self._marks[:at] + kept + self._marks[at + 1 :]
         self._wait_stored()
+        return new
 
     def _wait_stored(self) -> None:
         if not self.writer.wait_stored(MARK_S):

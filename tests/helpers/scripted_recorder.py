@@ -93,6 +93,11 @@ class ScriptedRecorder:
         self.points.append(TiePoint(name, round(host_s, 3), chainage_m))
         return self.points[-1]
 
+    def amend(self, old, new):
+        self._ask(("amend", old.name, new.name))
+        self.points[self.points.index(old)] = new
+        return new
+
     def unmark(self):
         self._ask("unmark")
         return self.points.pop() if self.points else None
