@@ -21,7 +21,7 @@ from processing.live.decoders import DecoderCounts, ImuDecoder
 from processing.live.device_timeline import DeviceTimeline, Placed
 from processing.live.stream import LinkState, MotionBlock, MotionStatus
 from processing.storage.journal import JournalEvent
-from processing.survey import Severity
+from processing.survey import Severity, Stretch
 
 log = logging.getLogger(__name__)
 
@@ -33,6 +33,8 @@ RATE_WRONG_PPM = (
     2000.0  # crystals are within 100 ppm, the RC oscillators of cheap sensors within 1 %: told, not refused
 )
 MOST_WAITING = 64 << 20  # bytes
+HOLES_AT_ONCE = 1000  # lines of the journal; a link that stutters has one a second from there on
+SHORT_HOLE_S = 1.0
 _BATCH_BYTES = 1 << 16
 _BATCH_S = 0.02  # what comes within it is taken at once: a tenth of the work, and no picture is faster
 _FIT_EVERY_S = 0.5
@@ -98,6 +100,8 @@ class MotionIntake:
         self._counts = MotionStatus()
         self._seen = DecoderCounts()
         self._untold_garbage = 0
+        self._holes_noted = self._unnoted_lost = 0
+        self._hole_noted_s = 0.0
         self._link_state, self._reason = LinkState.WAITING, ""
         self._looked = LinkState.WAITING
         self._last_sample_s: float | None = None
@@ -132,6 +136,8 @@ class MotionIntake:
             self._sink, self._axis = sink, None
             self._counts = MotionStatus()
             self._untold_garbage = 0
+            self._holes_noted = self._unnoted_lost = 0
+            self._hole_noted_s = 0.0
             self._is_clock_told, self._final = False, None
 
     def end(self, patience_s: float = 10.0) -> None:
@@ -141,6 +147,9 @@ class MotionIntake:
             time.sleep(_LOOK_S)
         with self._lock:
             self._sink, self._final = None, self._counts
+            lost, self._unnoted_lost = self._unnoted_lost, 0
+        if lost:
+            self._told.note(JournalEvent.MOTION_GAP, lost=lost)
 
     def status(self) -> MotionStatus:
         """Return one look; never waits for a sample or the disc."""
@@ -288,9 +297,7 @@ class MotionIntake:
         )
         lost = placed.lost  # of all holes of the batch together: there is seldom more than one
         for hole in placed.holes:
-            self._told.note(
-                JournalEvent.MOTION_GAP, start_s=hole.start_s, end_s=hole.end_s, lost=lost, reason=hole.reason
-            )
+            self._note_hole(hole, lost)
             lost = 0
         if placed.holes or placed.lost:
             self._told.add_up("recorder_imu_gap", Severity.MASKED, lost=placed.lost, gaps=max(1, len(placed.holes)))
@@ -317,6 +324,23 @@ class MotionIntake:
             self._told.note("motion_garbage", bytes=self._untold_garbage, bad_sums=bad_sums)
             self._told.add_up("recorder_imu_garbage", Severity.MASKED, bytes=self._untold_garbage)
             self._untold_garbage = 0
+
+    def _note_hole(self, hole: Stretch, lost: int) -> None:
+        """Keep a hole in the journal; of a link that stutters for hours one a second: the samples tell the others."""
+        self._unnoted_lost += lost
+        is_short = hole.end_s - hole.start_s < SHORT_HOLE_S
+        if is_short and self._holes_noted > HOLES_AT_ONCE and hole.start_s < self._hole_noted_s + 1.0:
+            return
+        self._holes_noted += 1
+        self._hole_noted_s = hole.start_s
+        self._told.note(
+            JournalEvent.MOTION_GAP,
+            start_s=hole.start_s,
+            end_s=hole.end_s,
+            lost=self._unnoted_lost,
+            reason=hole.reason,
+        )
+        self._unnoted_lost = 0
 
     def _look_at_refused(self) -> None:
         refused = self._refused_bytes

@@ -71,7 +71,7 @@ def import_folder(
         used = [imu_file, *raw.files]
         examined = examine(raw, settings, imu_file, progress.part(0.5, 0.75))
         findings += examined.findings
-    if examined is not None and audio is not None:
+    if examined is not None and audio is not None and journal is None:  # a live recording's are of one run
         findings += compare_lengths(examined.imu, audio, settings)
     if journal is not None:
         findings += journal.findings(audio.sample_rate_hz if audio is not None else None)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from processing import messages
-from processing.errors import LeaklineError
+from processing.errors import ErrorCode, LeaklineError
 from processing.live.stream import JournalLine
 from processing.storage.journal import JOURNAL_NAME, JournalEvent, read_journal
 from processing.survey import AudioGap, AudioSource, Channel, Finding, Severity, Stretch
@@ -57,7 +57,8 @@ class Journal:
             params = {"count": self.restarts, "first_s": first_s, "longest_s": longest_s}
             found.append(Finding("live_motion_restarts", Severity.WARNING, params))
         if self.fault:
-            found.append(Finding("live_ended_by_fault", Severity.WARNING, {"code": self.fault}))
+            is_full = self.fault == ErrorCode.DISC_FULL.value
+            found.append(Finding("live_ended_disc_full" if is_full else "live_ended_by_fault", Severity.WARNING))
         return tuple(found)
 
 

@@ -11,6 +11,7 @@ import pytest
 import soundfile
 from fake_devices import RATE_HZ, FakeInput, FakeLink, motion, noise, sent
 
+from app.devices import motion_intake
 from app.devices.audio_spec import parse_audio_spec
 from app.devices.imu_spec import parse_imu_spec
 from app.devices.recorder import Makers, Recorder
@@ -307,7 +308,38 @@ def test_markers_set_before_the_first_sample_of_the_imu_get_its_time_later(bench
     assert tie.time_s == pytest.approx(0.1 - 5.0, abs=0.01)
 
 
+def test_a_marker_that_is_named_later_keeps_the_time_that_is_known_better_by_then(bench):
+    one = bench()
+    folder = one.recorder.start()
+    one.mic.give(noise(800), host_s=one.begun_s + 0.1)
+    early = one.recorder.mark("marker 1", host_s=one.begun_s + 0.1)
+    one.begun_s += 5.0
+    one.move(400)
+    one.recorder._take.settle()
+    named = one.recorder.amend(early, replace(early, name="launch", chainage_m=0.0))
+    assert named.time_s == pytest.approx(0.1 - 5.0, abs=0.01)
+    again = one.recorder.amend(named, replace(named, name="launch pit"))
+    one.recorder.stop()
+    assert ties_of(folder) == (again,)
+
+
 # --- what goes wrong
+
+
+def test_a_link_that_stutters_for_hours_does_not_fill_the_journal(bench, monkeypatch):
+    monkeypatch.setattr(motion_intake, "HOLES_AT_ONCE", 3)
+    one = bench()
+    folder = one.recorder.start()
+    one.move(40)
+    for _ in range(40):
+        one.move(2, skip=4)  # ten milliseconds each
+    one.move(40)
+    lost = one.recorder.status().motion.lost
+    one.recorder.stop()
+    holes = values_of(folder, "motion_gap")
+    assert lost == 160
+    assert sum(hole["lost"] for hole in holes) == lost
+    assert 4 <= len(holes) <= 8
 
 
 def test_lost_sound_is_replaced_by_silence_of_the_same_length_and_written_down(bench):

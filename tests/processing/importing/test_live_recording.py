@@ -151,10 +151,13 @@ def test_a_restart_says_why_there_is_no_motion_and_a_loss_is_counted(tmp_path):
     assert codes(recording) >= {"gaps", "live_motion_lost", "live_motion_restarts"}
 
 
-def test_a_fault_that_ended_the_recording_is_told(tmp_path):
+@pytest.mark.parametrize(
+    ("code", "told"), [("disc_full", "live_ended_disc_full"), ("cannot_write", "live_ended_by_fault")]
+)
+def test_a_fault_that_ended_the_recording_is_told(tmp_path, code, told):
     write_parts(tmp_path, [0, 4000])
-    write_journal(tmp_path, ("fault", {"code": "disc_full", "reason": "x"}))
-    assert "live_ended_by_fault" in codes(import_folder(tmp_path))
+    write_journal(tmp_path, ("fault", {"code": code, "reason": "x"}))
+    assert told in codes(import_folder(tmp_path))
 
 
 anything = st.recursive(
