@@ -178,19 +178,6 @@ class RecordingWriter:
 
         self._keeper.set_clock((told, values))
 
-    def store_survey(self, survey: Survey) -> None:
-        """Replace what the operator told; marks that ``survey`` does not hold stay, and so does the clock."""
-
-        def replaced(before: Survey) -> Survey:
-            times = {point.time_s for point in survey.tie_points}
-            marks = tuple(point for point in before.tie_points if point.time_s not in times)
-            known = before.audio
-            audio = replace(survey.audio, start_time_s=known.start_time_s, drift_ppm=known.drift_ppm)
-            audio = replace(audio, start_sigma_s=known.start_sigma_s, drift_sigma_ppm=known.drift_sigma_ppm)
-            return replace(survey, tie_points=(*survey.tie_points, *marks), audio=audio)
-
-        self._keeper.change(replaced, urgent=True)
-
     @property
     def survey(self) -> Survey:
         """The survey with all marks, as it is or is about to be stored."""

@@ -6,7 +6,7 @@ import shutil
 import threading
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ from processing.storage.growing_file import GrowingFile
 from processing.storage.journal import JournalEvent, read_journal
 from processing.storage.recording_writer import RecordingWriter, SoundForm
 from processing.storage.sound_parts import SoundParts
-from processing.survey import DeviceInfo, Severity, Survey, SurveyInfo, TiePoint
+from processing.survey import Severity, Survey, SurveyInfo, TiePoint
 
 FORM = SoundForm(48000)
 PATIENCE_S = 20.0
@@ -235,19 +235,6 @@ def test_marks_are_in_the_survey_at_once_and_the_clock_at_the_end(writer):
         assert folder.read_survey().tie_points == tuple(points)
     clocks = [line.values for line in read_journal(original(writer) / "recording.jsonl") if line.event == "clock"]
     assert clocks == [{"start_time_s": 0.25, "drift_ppm": -12.5, "start_sigma_s": 0.002, "drift_sigma_ppm": 0.5}]
-
-
-def test_a_changed_form_keeps_the_marks_that_it_does_not_know(writer):
-    first, later = TiePoint("vana 1", 1.0, chainage_m=5.0), TiePoint("vana 2", 2.0, chainage_m=9.0)
-    writer.mark(first)
-    form = writer.survey
-    writer.mark(later)
-    renamed = replace(first, name="Vana 1, doğu")
-    writer.store_survey(replace(form, device=DeviceInfo(radius_m=0.05), tie_points=(renamed,)))
-    assert writer.wait_stored(PATIENCE_S)
-    with SurveyFolder.open(writer.path, read_only=True) as folder:
-        assert folder.read_survey().tie_points == (renamed, later)
-        assert folder.read_survey().device.radius_m == 0.05
 
 
 def test_a_survey_that_somebody_reads_for_long_is_stored_later(writer, monkeypatch):
