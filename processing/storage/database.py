@@ -45,6 +45,10 @@ class Database:
         if self._copy is not None:
             self._copy.cleanup()
 
+    def set_patience(self, seconds: float) -> None:
+        """Wait so long for another process that reads or writes before SURVEY_LOCKED is raised."""
+        self.rows(f"PRAGMA busy_timeout = {round(1000 * seconds)}")
+
     def rows(self, sql: str, values: Sequence[object] = ()) -> list[Row]:
         """Return all rows of a query; raises LeaklineError where the disc or the file fails."""
         with told(self.path):

@@ -184,6 +184,10 @@ class SurveyFolder:
         """Store the survey with its tie points; what changed is logged."""
         documents.write_survey(self._db, survey, operator)
 
+    def set_patience(self, seconds: float) -> None:
+        """Wait so long for another process that has the database open before SURVEY_LOCKED is raised."""
+        self._db.set_patience(seconds)
+
     def read_settings(self) -> Settings:
         """Return the settings; stored ones that this version does not know are told in ``findings``."""
         settings, told = documents.read_settings(self._db)

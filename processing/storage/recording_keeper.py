@@ -15,6 +15,7 @@ from pathlib import Path
 
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.live.stream import DiscStatus, JournalLine
+from processing.storage.database import BUSY_TIMEOUT_S
 from processing.storage.disc_space import WARN_S, Aside, free_bytes, seconds_left
 from processing.storage.files import CHUNK, reading, sync_folder, writing
 from processing.storage.folder import SurveyFolder
@@ -34,6 +35,7 @@ HASHED_AT_ONCE = 32 << 20  # bytes a second: finished parts are read again besid
 HASH_AT_END_S = 10.0  # an hour of two channels at 96 kHz takes two, but a minute if a stick has to read it
 _STREAMS_WAIT_S = 120.0
 _LEAST_MEASURED_S = 2.0
+_PATIENCE_S = 0.2  # with who reads the survey meanwhile: the syncs must not wait for him
 
 
 class Keeper:
@@ -139,6 +141,7 @@ class Keeper:
     def _open(self) -> None:
         self._folder = SurveyFolder.open(self.path)
         try:
+            self._folder.set_patience(_PATIENCE_S)
             self._journal = GrowingFile(self._original / JOURNAL_NAME, "journal")
             with writing(self._original):
                 sync_folder(self._original)
@@ -188,6 +191,8 @@ class Keeper:
         if is_stored or self._folder is None:
             return
         try:
+            if is_last:
+                self._folder.set_patience(BUSY_TIMEOUT_S)
             self._folder.write_survey(survey, self._operator)
         except LeaklineError as error:
             with self._lock:

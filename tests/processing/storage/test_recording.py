@@ -3,9 +3,10 @@
 import errno
 import os
 import shutil
+import sqlite3
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -251,6 +252,19 @@ def test_a_survey_that_somebody_reads_for_long_is_stored_later(writer, monkeypat
     assert writer.wait_stored(PATIENCE_S)
     assert refused
     assert writer.fault is None
+
+
+def test_who_reads_the_survey_for_long_keeps_nothing_from_the_disc(writer):
+    with closing(sqlite3.connect(writer.path / "survey.db", isolation_level=None)) as reader:
+        reader.execute("BEGIN")
+        reader.execute("SELECT count(*) FROM survey_log").fetchone()
+        writer.mark(TiePoint("vana", 1.0))
+        begun_s = time.monotonic()
+        while (writer.status().synced_host_s or 0.0) < begun_s + 1.0:  # synced twice meanwhile
+            assert time.monotonic() < begun_s + 8.0, "the syncs waited for the reader"
+            time.sleep(0.01)
+        assert not writer.wait_stored(0.0)
+    assert writer.wait_stored(PATIENCE_S)
 
 
 def test_a_survey_that_cannot_be_stored_even_in_the_end_is_told(tmp_path, monkeypatch):
