@@ -83,6 +83,13 @@ class LiveWorker:
     # --- the thread ---
 
     def _run(self) -> None:
+        try:
+            self._work()
+        except Exception as fault:  # no view can be made at all: told, or the page would stand still without a word
+            log.exception("there is no live view")
+            self._on_fault(fault)
+
+    def _work(self) -> None:
         view = self._make_view()
         next_s = 0.0
         fresh = False

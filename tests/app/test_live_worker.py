@@ -155,6 +155,21 @@ def test_a_view_that_stumbles_is_told_once_and_made_anew_with_its_rate(run):
 # --- calls in order ---
 
 
+def test_a_view_that_cannot_be_made_at_all_is_told(run):
+    faults, told = [], threading.Event()
+
+    def make_view():
+        raise RuntimeError("out of memory")
+
+    def on_fault(fault):
+        faults.append(fault)
+        told.set()
+
+    run(Feed(), make_view=make_view, on_fault=on_fault)
+    assert told.wait(10)
+    assert [str(fault) for fault in faults] == ["out of memory"]
+
+
 def test_calls_are_done_in_the_order_in_which_they_were_asked_for_and_answered_here(qtbot):
     calls = OrderedCalls("test")
     done, answered = [], []
