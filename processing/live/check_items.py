@@ -9,7 +9,7 @@ from processing.live.check_knocks import Knocks
 from processing.live.check_sheet import CheckItem, Light
 from processing.live.stream import DiscStatus, SoundStatus
 from processing.settings import tunable
-from processing.survey import FloatArray, Motion
+from processing.survey import BoolArray, FloatArray, Motion
 
 GRAVITY_MPS2 = 9.80665
 
@@ -45,12 +45,15 @@ def _item(key: str, light: Light, verdict: str, **params: float | str) -> CheckI
     return CheckItem(key, light, verdict, params)
 
 
-def sound_item(status: SoundStatus, seconds: float, settings: CheckSettings) -> CheckItem:
-    """Judge whether sound arrives: ``status`` counts what came in ``seconds``."""
+def sound_item(status: SoundStatus, seconds: float, live: BoolArray, settings: CheckSettings) -> CheckItem:
+    """Judge whether sound arrives: ``status`` counts what came in ``seconds``, ``live`` (channels,) what changes."""
     if status.frames == 0:
         return _item("sound", Light.RED, "sound_none")
     if status.is_digital_silence:
         return _item("sound", Light.RED, "sound_zeros")
+    if not live.all():
+        dead = ", ".join(str(number) for number, is_live in enumerate(live, 1) if not is_live)
+        return _item("sound", Light.RED, "sound_channel_dead", channels=dead)
     share = status.lost_frames / max(status.frames + status.lost_frames, 1)
     params = {"rate_hz": status.sample_rate_hz, "lost_pct": 100 * share}
     rate = status.frames / seconds if seconds > 0 else 0.0

@@ -69,6 +69,7 @@ class PrelaunchCheck:
         self._listened_s = 0.0
         self._quiet_power, self._quiet_peak, self._quiet_frames = 0.0, 0.0, 0
         self._clipped_quietly = False
+        self._live_channels = np.zeros(0, np.bool_)
         self._seen: list[tuple[FloatArray, FloatArray]] = []  # least and greatest of each block's six axes
         self._knocks = pair_knocks(np.zeros(0), np.zeros(0), 0.0)
         self._enough_s: float | None = None
@@ -96,6 +97,8 @@ class PrelaunchCheck:
             self._quiet_power += float(np.sum(wave**2))
             self._quiet_peak = max(self._quiet_peak, float(wave.max()))
             self._quiet_frames += len(wave)
+            swing = np.ptp(block.frames, axis=0) > 0
+            self._live_channels = swing | self._live_channels if len(swing) == len(self._live_channels) else swing
         if self._phase is Phase.KNOCK:
             if self._ear is None:
                 self._ear = KnockEar(rate_hz)
@@ -207,7 +210,7 @@ class PrelaunchCheck:
 
     def _sound_items(self, after: Surroundings) -> list[CheckItem]:
         here = replace(after.sound, frames=self._frames, lost_frames=self._lost_frames)
-        items = [check_items.sound_item(here, self._listened_s, self._settings)]
+        items = [check_items.sound_item(here, self._listened_s, self._live_channels, self._settings)]
         if self._quiet_frames and not after.sound.is_digital_silence:
             rms_db = 10 * np.log10(max(self._quiet_power / self._quiet_frames, 1e-15))
             peak_db = 20 * np.log10(max(self._quiet_peak, 1e-8))

@@ -116,6 +116,19 @@ def test_dead_streams_and_dead_axes_are_red():
     assert found["sound"] is found["motion"] is found["knocks"] is Light.RED
 
 
+def test_a_second_microphone_that_is_dead_is_red():
+    bench = Bench()
+    one = bench.sound
+
+    def two(start_s, end_s):
+        block = one(start_s, end_s)
+        return replace(block, frames=np.hstack([block.frames, np.zeros_like(block.frames)]))
+
+    bench.sound = two
+    item = next(item for item in checked(bench)[0].items if item.key == "sound")
+    assert (item.light, item.verdict, item.params) == (Light.RED, "sound_channel_dead", {"channels": "2"})
+
+
 def test_clipping_while_all_is_quiet_is_red_but_not_the_knocks_themselves():
     bench = Bench()
     bench.wave[int(2.0 * RATE)] = 1.0
