@@ -301,9 +301,7 @@ class Recorder:
             if fault is not None:
                 self._fault = fault
                 is_full = fault.code is ErrorCode.DISC_FULL
-                code = "recorder_ended_disc" if is_full else "recorder_ended_fault"
-                about = {} if is_full else {"reason": str(fault.params.get("reason", fault))}
-                self._told.tell(code, Severity.WARNING, **about)
+                self._told.tell("recorder_ended_disc" if is_full else "recorder_ended_fault", Severity.WARNING)
                 take.findings = (*(take.findings or ()), self._told.findings[-1])
             with self._lock:
                 self._state = RecordingState.STOPPED if fault is None else RecordingState.FAILED
