@@ -118,16 +118,23 @@ class PtyPort:
                 self._rest = self._rest[os.write(self._master, self._rest) :]
             if self._rest:
                 return 0
-            sent, total = 0, os.write(self._master, b"".join(pieces))
+            total = os.write(self._master, b"".join(pieces))
         except OSError:  # BlockingIOError too: nobody reads
             return 0
-        for piece in pieces:
-            if total <= 0:
-                break
-            self._rest = piece[total:]
-            total -= len(piece)
-            sent += 1
+        sent, self._rest = taken(pieces, total)
         return sent
+
+
+def taken(pieces: Sequence[bytes], total: int) -> tuple[int, bytes]:
+    """Return how many pieces were begun when ``total`` bytes of them went out, and what is left of the last one."""
+    begun, rest = 0, b""
+    for piece in pieces:
+        if total <= 0:
+            break
+        rest = piece[total:]
+        total -= len(piece)
+        begun += 1
+    return begun, rest
 
 
 class TcpPort:
@@ -194,18 +201,13 @@ class TcpPort:
                 self._rest = self._rest[self._peer.send(self._rest) :]
             if self._rest:
                 return 0
-            sent, total = 0, self._peer.send(b"".join(pieces))
+            total = self._peer.send(b"".join(pieces))
         except BlockingIOError:
             return 0
         except OSError:
             self._drop_peer()
             return 0
-        for piece in pieces:
-            if total <= 0:
-                break
-            self._rest = piece[total:]
-            total -= len(piece)
-            sent += 1
+        sent, self._rest = taken(pieces, total)
         return sent
 
 
