@@ -11,8 +11,9 @@ from PySide6.QtWidgets import QApplication
 from app import appearance, diagnostics
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.jobs import Jobs
-from app.main_window import MainWindow, Services
+from app.main_window import MainWindow
 from app.recording_parts import RecordingKit
+from app.services import Services
 from app.settings import PreferencesStore, log_folder
 from app.survey_session import SurveySession
 from widgets.message_boxes import Choice

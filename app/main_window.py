@@ -1,15 +1,13 @@
 """The main window: a step bar of pages (data, path, sound, leaks, report), menus from the action table, job strip."""
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
-from app import actions, appearance, enabling
+from app import actions, appearance, enabling, window_links
 from app.actions import ACTIONS, PAGE_TITLES, Page
 from app.band_control import BandControl
 from app.channel_control import ChannelControl
@@ -17,29 +15,28 @@ from app.cleaning_control import CleaningControl
 from app.clock_control import ClockControl
 from app.correlator_entry import CorrelatorEntry
 from app.data_page import DataPage
-from app.devices.audio_output import Sink, open_sink, why_silent
 from app.evidence_control import EvidenceControl
 from app.files_control import FilesControl
 from app.first_sound import FirstSound
 from app.help_control import HelpControl
-from app.jobs import Job, Jobs
+from app.jobs import Job
 from app.methods import methods
 from app.notices import Notices
+from app.page_host import PageHost
 from app.path_controls import PathControls
 from app.player import Player
 from app.preset_control import PresetControl
 from app.recording_entry import RecordingEntry
-from app.recording_parts import RecordingKit
 from app.report_control import ReportControl
 from app.review_control import ReviewControl
 from app.review_page import ReviewPage
 from app.route_control import RouteControl
-from app.settings import PreferencesStore
+from app.services import Services
 from app.shared_keys import SharedKeys
 from app.spectrogram_control import SpectrogramControl
 from app.spectrum_control import SpectrumControl
-from app.survey_session import SurveySession
 from app.window_memory import WindowMemory
+from app.workplace import Workplace
 from processing.errors import LeaklineError
 from widgets.job_strip import JobStrip
 from widgets.message_boxes import MessageBoxes
@@ -48,20 +45,8 @@ from widgets.start_page import StartPage
 from widgets.step_bar import StepBar
 
 REVIEW_PAGES = ("path", "sound", "leaks")
+STEP_PAGES = ("data", *REVIEW_PAGES, "report")  # they have a button in the step bar
 TOOLS = ("record", "open", "undo", "redo", "mark", "export", "correlator")
-
-
-@dataclass(frozen=True)
-class Services:
-    """What outlives a window: it can be closed and made again in another language around these."""
-
-    session: SurveySession
-    jobs: Jobs
-    preferences: PreferencesStore
-    log_file: Path | None = None
-    make_sink: Callable[[float], Sink] = open_sink
-    why_silent: Callable[[], str | None] = why_silent
-    recording: RecordingKit | None = None  # None: the real devices
 
 
 class MainWindow(QMainWindow):
@@ -109,10 +94,13 @@ class MainWindow(QMainWindow):
         )
         self.shared = SharedKeys(self.recording, self.review)
         self.help = HelpControl(self, services.log_file)
+        host = PageHost(self._plain_pages, self._stack, self.show_page, lambda: self.page)
+        self.work = Workplace(self, services, language, host)
         self.actions_by_id = actions.build(self, self)
         self._build_menus()
         self._lay_out()
         self._connect()
+        window_links.connect(self, self._preferences)
         self._memory = WindowMemory(self, self.review_page, self._preferences)
         self._memory.restore()
         actions.arm_keys(self.actions_by_id, typing=False)
@@ -168,54 +156,30 @@ class MainWindow(QMainWindow):
         self.setCentralWidget(central)
 
     def _connect(self) -> None:
-        services, session, jobs = self._services, self._session, self._services.jobs
+        session, jobs = self._session, self._services.jobs
         session.opened.connect(self._on_opened)
         session.results_changed.connect(self._on_results)
-        jobs.start(
-            lambda _progress: services.why_silent() or "",
-            title=self.tr("Looking for a sound card"),
-            on_success=self.player.set_unavailable,
-            quiet=True,
-        )
         session.survey_changed.connect(self._show_title)
-        session.survey_changed.connect(self._show_enabled)
-        session.selection_changed.connect(self._show_enabled)
-        session.candidates_changed.connect(self._show_enabled)
+        for changed in (session.survey_changed, session.selection_changed, session.candidates_changed):
+            changed.connect(self._show_enabled)
         session.refused.connect(self._on_failure)
         session.undo_stack.indexChanged.connect(self._show_enabled)
         jobs.started.connect(self._on_job)
         jobs.failed.connect(self._on_failure)
-        self.recording.told.connect(self.notices.tell)
-        self.recording.page_asked.connect(self.show_page)
-        self.recording.process_asked.connect(self.files.open_path)
         self.recording.changed.connect(self._show_enabled)
-        self.recording.recorded.connect(lambda: self.start_page.set_recent(self._preferences.values.recent))
-        self.recording.close_asked.connect(self.close)
-        self.start_page.record_asked.connect(self.recording.show)
-        self.start_page.open_asked.connect(self.files.ask_open)
-        self.start_page.demo_asked.connect(self.files.open_demo)
-        self.start_page.recent_chosen.connect(lambda text: self.files.open_path(Path(text)))
-        self.files.page_asked.connect(self.show_page)
-        self.files.told.connect(self.notices.tell)
-        self.files.sound_met.connect(self.first_sound.look_at)
         self.first_sound.told.connect(lambda text: self.notices.show_listening(text, session))
         self.first_sound.changed.connect(self._on_first_sound)
-        self.report.told.connect(self.notices.tell)
-        self.spectrum.told.connect(self.notices.tell)
-        self.spectrum.failed.connect(self.notices.tell_error)
-        self.correlator.told.connect(self.notices.tell)
-        self.correlator.page_asked.connect(self.show_page)
         self.path.reprocess_asked.connect(lambda: self.files.reprocess(show=self.page))
-        self.path.failed.connect(self.notices.tell_error)
-        self.player.failed.connect(self.notices.tell_error)
-        self.review_page.band_changed.connect(self.files.change_band)
-        self.bands.band_taken.connect(self.files.change_band)
-        self.files.band_settled.connect(self.review_page.spectrogram.set_band)
-        self.review_page.spectrogram.read_failed.connect(self.notices.tell_error)
         self.data_page.findings.moment_chosen.connect(self._show_moment)
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         application.focusChanged.connect(self._on_focus)
+        jobs.start(
+            lambda _progress: self._services.why_silent() or "",
+            title=self.tr("Looking for a sound card"),
+            on_success=self.player.set_unavailable,
+            quiet=True,
+        )
 
     # --- pages ---
 
@@ -233,7 +197,7 @@ class MainWindow(QMainWindow):
             self._stack.setCurrentWidget(self._plain_pages[page])
         if page == "report":
             self.report.refresh()
-        if page not in ("start", "correlator", "recording"):
+        if page in STEP_PAGES:
             self.step_bar.set_current(page)
         self._show_enabled()
 
@@ -355,6 +319,7 @@ class MainWindow(QMainWindow):
         self.review_page.apply_theme(self._theme)
         self.correlator.apply_theme(self._theme)
         self.recording.apply_theme(self._theme)
+        self.work.apply_theme(self._theme)
 
     def toggle_language(self) -> None:
         """Ask for the window again in the other language."""
@@ -395,5 +360,6 @@ class MainWindow(QMainWindow):
         self.cleaning.stop()
         self.bands.stop()
         self.notices.stop()
+        self.work.stop()
         self._memory.save()
         super().closeEvent(event)

@@ -34,6 +34,15 @@ class Preferences:
     sound_view: dict[str, str] = field(default_factory=dict)  # scale, plane, colours and axis of the spectrogram
     correlator_folder: str = ""  # where recordings and sessions of the correlator were last
     recording: dict[str, str] = field(default_factory=dict)  # devices, names and folder of the recording page
+    units: str = "metric"  # or us
+    places: str = "chainage"  # or stationing
+    text_scale: int = 100  # per cent, 100 to 200
+    report_language: str = ""  # empty: the window's
+    company: dict[str, str] = field(default_factory=dict)  # the report's template fields
+    handover: dict[str, str] = field(default_factory=dict)  # which files, in which system, under which names
+    reviewer: str = ""  # the second reviewer's name, as typed last
+    layout: dict[str, str] = field(default_factory=dict)  # tabs, filters and modes of the review pages
+    tour_seen: bool = False
 
 
 class PreferencesStore:
@@ -79,7 +88,7 @@ class PreferencesStore:
         kept = {k: v for k, v in found.items() if k in known and isinstance(v, type(known[k]))}
         kept["recent"] = [r for r in kept.get("recent", []) if isinstance(r, str)][:MAX_RECENT]
         kept["recent_crs"] = [c for c in kept.get("recent_crs", []) if isinstance(c, str)][:MAX_RECENT]
-        for name in ("splitters", "sound_view", "recording"):
+        for name in ("splitters", "sound_view", "recording", "company", "handover", "layout"):
             kept[name] = {k: v for k, v in kept.get(name, {}).items() if isinstance(v, str)}
         return Preferences(**kept)
 

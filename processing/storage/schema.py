@@ -7,7 +7,7 @@ does not. ``candidates``, ``runs`` and the logs are append-only, enforced here a
 from collections.abc import Mapping
 
 APPLICATION_ID = 0x4C4B4C4E  # "LKLN"
-VERSION = 1000
+VERSION = 1001
 
 _DDL = """
 CREATE TABLE survey (part TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
@@ -43,23 +43,44 @@ CREATE TABLE decisions (
     log_id INTEGER NOT NULL REFERENCES decision_log(id)) STRICT;
 """
 
+# 1.1: what else people say of a leak, which they know by its number, the same from run to run
+_REVIEW_FACTS = """
+CREATE TABLE photos (
+    id INTEGER PRIMARY KEY AUTOINCREMENT, number INTEGER NOT NULL, at_utc TEXT NOT NULL, operator TEXT NOT NULL,
+    value TEXT NOT NULL, withdrawn INTEGER NOT NULL DEFAULT 0) STRICT;
+CREATE TABLE dig_results (
+    id INTEGER PRIMARY KEY AUTOINCREMENT, number INTEGER NOT NULL, at_utc TEXT NOT NULL, operator TEXT NOT NULL,
+    value TEXT) STRICT;
+CREATE TABLE opinions (
+    id INTEGER PRIMARY KEY AUTOINCREMENT, number INTEGER NOT NULL, at_utc TEXT NOT NULL, reviewer TEXT NOT NULL,
+    value TEXT) STRICT;
+"""
+
 _APPEND_ONLY = ("survey_log", "runs", "candidates", "decision_log", "carried", "recording_files")
+_APPEND_ONLY_1_1 = ("dig_results", "opinions")
+
+
+def _parts(ddl: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in ddl.split(";") if part.strip())
+
+
+def _guards(tables: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(
+        f"CREATE TRIGGER {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
+        f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END"
+        for table in tables
+        for verb in ("UPDATE", "DELETE")
+    )
+
 
 # from version → the statements that lead to the next one, which is stated first
 Migrations = Mapping[int, tuple[int, tuple[str, ...]]]
-MIGRATIONS: Migrations = {}
+MIGRATIONS: Migrations = {1000: (1001, _parts(_REVIEW_FACTS) + _guards(_APPEND_ONLY_1_1))}
 
 
 def statements() -> tuple[str, ...]:
     """Return all statements that make an empty database a survey of version :data:`VERSION`."""
-    tables = tuple(part.strip() for part in _DDL.split(";") if part.strip())
-    guards = tuple(
-        f"CREATE TRIGGER {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
-        f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END"
-        for table in _APPEND_ONLY
-        for verb in ("UPDATE", "DELETE")
-    )
-    return tables + guards
+    return _parts(_DDL) + _guards(_APPEND_ONLY) + _parts(_REVIEW_FACTS) + _guards(_APPEND_ONLY_1_1)
 
 
 def major(version: int) -> int:

@@ -13,7 +13,8 @@ from rolling_sound import noise, recorded, roll
 from small_survey import candidate, make_folder, make_results
 
 from app.jobs import Jobs
-from app.main_window import MainWindow, Services
+from app.main_window import MainWindow
+from app.services import Services
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.survey import ClockMap, DeviceInfo, Motion

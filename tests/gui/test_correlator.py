@@ -16,7 +16,8 @@ from app.correlator_listening import Ears, PairReader
 from app.correlator_page import CorrelatorPage
 from app.devices.audio_output import SoundUnavailableError
 from app.jobs import Jobs
-from app.main_window import MainWindow, Services
+from app.main_window import MainWindow
+from app.services import Services
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.correlation.pipe import Pipe, PipeSection

@@ -14,7 +14,8 @@ from small_survey import RATE_HZ, SPEED_MPS, make_folder, make_results
 from app import actions
 from app.actions import ACTIONS
 from app.jobs import Jobs
-from app.main_window import MainWindow, Services
+from app.main_window import MainWindow
+from app.services import Services
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.storage.folder import SurveyFolder

@@ -8,7 +8,8 @@ from PySide6.QtWidgets import QApplication, QComboBox, QPushButton, QSpinBox, QT
 from small_survey import SPEED_MPS, make_folder, make_results
 
 from app.jobs import Jobs
-from app.main_window import MainWindow, Services
+from app.main_window import MainWindow
+from app.services import Services
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from widgets.time_axis import AxisMode

@@ -10,7 +10,8 @@ from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QApplication
 
 from app.jobs import Jobs
-from app.main_window import MainWindow, Services
+from app.main_window import MainWindow
+from app.services import Services
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.storage.recording_writer import RecordingWriter, SoundForm

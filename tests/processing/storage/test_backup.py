@@ -95,11 +95,12 @@ def test_a_backup_that_cannot_be_made_is_told_and_the_survey_opens(folder):
         assert not opened.read_only
 
 
-# --- migration, on steps of the test's own as there is no older version yet
+# --- migration, on steps of the test's own, and the real one
 
+NOW = schema.VERSION
 STEPS = {
-    1000: (1001, ("ALTER TABLE runs ADD COLUMN place TEXT",)),
-    1001: (2000, ("CREATE TABLE more (a TEXT) STRICT", "INSERT INTO more VALUES ('ğ')")),
+    NOW: (NOW + 1, ("ALTER TABLE runs ADD COLUMN place TEXT",)),
+    NOW + 1: (2000, ("CREATE TABLE more (a TEXT) STRICT", "INSERT INTO more VALUES ('ğ')")),
 }
 
 
@@ -120,15 +121,15 @@ def test_migration_takes_all_steps_after_a_backup_of_the_old(folder, database):
     assert database.rows("SELECT a FROM more") == [("ğ",)]
     assert len(folder.backups()) == before + 1
     old = sqlite3.connect(folder.backups()[0])
-    assert old.execute("PRAGMA user_version").fetchone() == (1000,)
+    assert old.execute("PRAGMA user_version").fetchone() == (NOW,)
     old.close()
 
 
 def test_a_migration_that_fails_leaves_the_old_version(folder, database):
-    steps = STEPS | {1001: (2000, ("CREATE TABLE more (a TEXT) STRICT", "INSERT INTO nowhere VALUES (1)"))}
+    steps = STEPS | {NOW + 1: (2000, ("CREATE TABLE more (a TEXT) STRICT", "INSERT INTO nowhere VALUES (1)"))}
     with pytest.raises(sqlite3.OperationalError, match="nowhere"):
         migrate(database, folder.backups_dir, steps, 2000)
-    assert database.version == 1000
+    assert database.version == NOW
     assert [row[1] for row in database.rows("PRAGMA table_info(runs)")] == [
         "id",
         "created_utc",
@@ -141,7 +142,7 @@ def test_a_version_from_which_no_way_leads_is_told(folder, database):
     with pytest.raises(LeaklineError) as caught:
         migrate(database, folder.backups_dir, {}, 2000)
     assert caught.value.code is ErrorCode.SURVEY_DAMAGED
-    assert database.version == 1000
+    assert database.version == NOW
 
 
 def test_an_old_survey_that_may_not_be_written_is_migrated_in_memory(folder, database):
@@ -151,6 +152,25 @@ def test_an_old_survey_that_may_not_be_written_is_migrated_in_memory(folder, dat
     assert copy.rows("SELECT a FROM more") == [("ğ",)]
     copy.close()
     assert Path(folder.path / "survey.db").read_bytes() == before
+
+
+def test_a_survey_of_version_1_0_opens_with_its_decisions_and_takes_the_new_facts(folder, stored):
+    folder.review.decide(stored.candidates[0].id, YES, "A")
+    folder.close()
+    old = sqlite3.connect(folder.path / "survey.db")
+    for table in ("photos", "dig_results", "opinions"):
+        old.execute(f"DROP TABLE {table}")
+    old.execute("PRAGMA user_version = 1000")
+    old.commit()
+    old.close()
+    with SurveyFolder.open(folder.path) as opened:
+        assert "survey_migrated" in [finding.code for finding in opened.findings]
+        assert opened.review.decisions(stored.run) == {stored.candidates[0].id: YES}
+    now = sqlite3.connect(folder.path / "survey.db")
+    now.execute("INSERT INTO dig_results (number, at_utc, operator, value) VALUES (1, '', '', '{}')")
+    with pytest.raises(sqlite3.DatabaseError, match="append-only"):
+        now.execute("DELETE FROM dig_results")
+    now.close()
 
 
 def test_today_s_version_needs_no_step_and_all_steps_lead_to_it():

@@ -258,7 +258,7 @@ def test_a_closed_folder_opens_with_everything_in_it(folder, stored, survey):
         assert again.read_survey() == survey
         assert again.review.candidates(stored.run) == stored.candidates
         assert again.review.decisions(stored.run) == {stored.candidates[0].id: YES}
-        assert again.version == "1.0"
+        assert again.version == schema.version_text(schema.VERSION)
 
 
 def test_a_second_opener_may_only_read_and_sees_what_is_committed(folder, stored):

@@ -1,0 +1,31 @@
+"""The review workplace: what helps to judge, compare and hand over, composed around the window's pages.
+
+Each part is an attribute, so that the action table can name its handlers (``work.gallery.show``).
+"""
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+
+from app.page_host import PageHost
+from app.services import Services
+from widgets.plot_theme import Theme
+
+if TYPE_CHECKING:
+    from app.main_window import MainWindow
+
+
+class Workplace(QObject):
+    """Composes; made last, when all pages and controls of the window are there."""
+
+    told = Signal(str)  # a line for the operator
+
+    def __init__(self, window: "MainWindow", services: Services, language: str, host: PageHost) -> None:
+        super().__init__(window)
+        self._window, self._services, self._language, self._host = window, services, language, host
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw everything in this theme."""
+
+    def stop(self) -> None:
+        """Leave no work behind: the window closes."""

@@ -1,0 +1,105 @@
+"""What people add to a leak besides the verdict: photos, a second reviewer's opinion, and what the dig showed.
+
+Each belongs to a leak by the **number** that people call it by (:attr:`processing.survey.Candidate.label`): it is the
+same from run to run, so nothing has to be carried over when the survey is processed again.
+"""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from processing.survey import Decision
+
+
+@dataclass(frozen=True)
+class Photo:
+    """A picture of a leak's place, kept in the survey's folder ``attachments`` under ``file``, untouched."""
+
+    id: int
+    number: int  # of the leak
+    file: str  # its name in the folder ``attachments``
+    sha256: str
+    size: int
+    caption: str = ""
+    at_utc: str = ""
+    operator: str = ""
+
+
+class DigFinding(StrEnum):
+    """What a dig showed at or near the stated place."""
+
+    LEAK = "leak"  # a leak of the main
+    OTHER = "other"  # something else made the sound: a service, a valve, a pump …
+    NOTHING = "nothing"  # the pipe was laid open and is sound
+
+
+@dataclass(frozen=True)
+class DigResult:
+    """What was found where, and what had been stated when the crew dug.
+
+    ``off_along_m`` is found minus stated along the pipe (positive away from the launch), None where nothing was found
+    or nobody measured; ``stated_*`` are frozen: a later run must not make an old statement look better.
+    """
+
+    number: int
+    finding: DigFinding
+    date: str = ""  # ISO 8601 day of the dig
+    off_along_m: float | None = None
+    off_across_m: float | None = None
+    depth_m: float | None = None
+    flow_lpm: float | None = None
+    cause: str = ""  # joint, crack, hole, corrosion, service …: free text
+    note: str = ""
+    stated_chainage_m: float | None = None
+    stated_low95_m: float | None = None
+    stated_high95_m: float | None = None
+    at_utc: str = ""
+    operator: str = ""
+
+
+@dataclass(frozen=True)
+class Opinion:
+    """What a second reviewer, who did not see the first one's verdict, says of a leak."""
+
+    number: int
+    reviewer: str
+    decision: Decision
+    at_utc: str = ""
+
+
+@dataclass(frozen=True)
+class LoggedDecision:
+    """One line of who decided what when, for the report's appendix and ``decisions.csv``."""
+
+    at_utc: str
+    operator: str
+    reason: str  # decide | undo | redo | carry | add | withdraw | reinstate | opinion | dig
+    number: int
+    before: Decision
+    after: Decision
+
+
+@dataclass(frozen=True)
+class DigHistory:
+    """The digs of all surveys of a kind of pipe and run, this computer's memory: what the intervals were worth.
+
+    ``held`` of ``count`` measured digs lay inside of the stated 95 % interval; errors are absolute, along the pipe.
+    """
+
+    kind: str  # in words of the data, such as "rolling, ductile iron": for the sentence
+    count: int
+    held: int
+    median_error_m: float
+    p95_error_m: float
+    dry_holes: int  # digs at confirmed leaks that found nothing or something else
+    widen: float = 1.0  # by which factor intervals should be multiplied to hold 95 %, 1 where nothing speaks against
+
+
+@dataclass(frozen=True)
+class ReviewRecord:
+    """All that people added to a run, as the report and the hand-over need it."""
+
+    log: tuple[LoggedDecision, ...] = ()
+    photos: tuple[tuple[Photo, str], ...] = ()  # with the path of the file
+    digs: dict[int, DigResult] = field(default_factory=dict)  # the newest of each number
+    opinions: tuple[Opinion, ...] = ()
+    history: DigHistory | None = None
