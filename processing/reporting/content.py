@@ -4,13 +4,15 @@ CSV, GIS and PDF are three ways of writing the same rows.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from processing.coordinates import LocalFrame, frame_of
 from processing.position import distance
+from processing.reporting.options import ReportOptions
 from processing.results import Results
+from processing.review_facts import ReviewRecord
 from processing.sound.sizes import LeakSize, size_of
 from processing.survey import Candidate, Channel, Decision, LeakClass, Stretch, TiePoint, Verdict
 
@@ -70,13 +72,15 @@ class UnassessedStretch:
 
 @dataclass(frozen=True)
 class ReportContent:
-    """All numbers of a report."""
+    """All numbers of a report, what people added to them, and how the operator wants them written."""
 
     results: Results
     rows: tuple[LeakRow, ...]
     known_places: tuple[Neighbour, ...]
     unassessed: tuple[UnassessedStretch, ...]
     frame: LocalFrame
+    record: ReviewRecord = field(default_factory=ReviewRecord)
+    options: ReportOptions = field(default_factory=ReportOptions)
 
     @property
     def undecided(self) -> int:
@@ -99,7 +103,12 @@ class ReportContent:
         return total
 
 
-def make_content(results: Results, decisions: Mapping[int, Decision]) -> ReportContent:
+def make_content(
+    results: Results,
+    decisions: Mapping[int, Decision],
+    record: ReviewRecord | None = None,
+    options: ReportOptions | None = None,
+) -> ReportContent:
     """Return what a report of ``results`` says; ``decisions`` maps candidate ids to verdicts."""
     frame = frame_of(results.survey)
     places = known_places(results)
@@ -108,7 +117,7 @@ def make_content(results: Results, decisions: Mapping[int, Decision]) -> ReportC
         for candidate in sorted(results.candidates, key=best_first)
     )
     unassessed = tuple(unassessed_stretch(results, stretch) for stretch in results.not_assessed)
-    return ReportContent(results, rows, places, unassessed, frame)
+    return ReportContent(results, rows, places, unassessed, frame, record or ReviewRecord(), options or ReportOptions())
 
 
 def best_first(candidate: Candidate) -> tuple[bool, float, float]:

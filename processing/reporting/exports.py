@@ -2,6 +2,7 @@
 
 import errno
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,8 +10,10 @@ from processing.errors import ErrorCode, LeaklineError, Place
 from processing.progress import Progress, silent
 from processing.reporting.content import make_content
 from processing.reporting.gis import write_geojson
+from processing.reporting.options import ReportOptions
 from processing.reporting.summary import write_summary
 from processing.reporting.tables import write_leaks, write_track
+from processing.review_facts import ReviewRecord
 from processing.survey import Decision
 
 if TYPE_CHECKING:
@@ -22,9 +25,13 @@ def write_exports(
     decisions: Mapping[int, Decision],
     out_dir: Path,
     progress: Progress | None = None,
-    language: str = "en",
+    language: str | None = None,
+    record: ReviewRecord | None = None,
+    options: ReportOptions | None = None,
 ) -> tuple[Path, ...]:
     """Write ``leaks.csv``, ``track.csv``, ``leaks.geojson``, ``summary.json`` and ``report.pdf``; return their paths.
+
+    ``language`` is the report's, where it is not that of ``options``.
 
     Raises:
         LeaklineError: CANNOT_WRITE or DISC_FULL; a file that was there before is then still whole.
@@ -32,7 +39,10 @@ def write_exports(
     from processing.reporting.pdf import write_pdf  # typst is large: loaded when a report is asked for
 
     progress = progress or silent()
-    content = make_content(results, decisions)
+    options = options or ReportOptions()
+    if language is not None:
+        options = replace(options, language=language)
+    content = make_content(results, decisions, record, options)
     names = ("leaks.csv", "track.csv", "leaks.geojson", "summary.json", "report.pdf")
     leaks, track, geojson, summary, report = (out_dir / name for name in names)
     try:
@@ -43,7 +53,7 @@ def write_exports(
         progress.update(0.3, "exporting")
         write_geojson(geojson, content)
         write_summary(summary, content)
-        write_pdf(report, content, language, progress.part(0.4, 1.0))
+        write_pdf(report, content, progress.part(0.4, 1.0))
     except OSError as error:
         code = ErrorCode.DISC_FULL if error.errno == errno.ENOSPC else ErrorCode.CANNOT_WRITE
         # the full disc may be that of the temporary folder, where the report is set

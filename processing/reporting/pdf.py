@@ -18,12 +18,13 @@ from processing.reporting.spectrogram import spectrogram_excerpt
 WIDE, MAP, LEAK_MAP = (494.0, 150.0), (494.0, 205.0), (494.0, 200.0)  # points; the page's text is 174 mm wide
 
 
-def write_pdf(path: Path, content: ReportContent, language: str, progress: Progress) -> None:
-    """Write the report; the figures are made beside the template in a folder of their own that is then removed.
+def write_pdf(path: Path, content: ReportContent, progress: Progress) -> None:
+    """Write the report as ``content.options`` have it; figures are made in a folder of their own that is then removed.
 
     Raises:
         LeaklineError: REPORT_FAILED with the template's own words, CANNOT_WRITE.
     """
+    language = content.options.language
     data = page_data(content, language)
     words = Words(language)
     with tempfile.TemporaryDirectory(prefix="leakline-report-") as name:

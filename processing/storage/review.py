@@ -166,6 +166,11 @@ class ReviewStore:
         )
         return tuple(self._log_entry(row) for row in rows)
 
+    def known_as(self) -> dict[int, tuple[int, int]]:
+        """Return candidate id → its run's id and the number that people call it by, withdrawn marks too."""
+        rows = self._db.rows("SELECT id, value, run_id FROM candidates")
+        return {row[0]: (row[2], self._candidate(row).label) for row in rows}
+
     def orphaned_decisions(self) -> tuple[Orphan, ...]:
         """Return the decisions of earlier runs that no later run's candidate has taken over.
 
