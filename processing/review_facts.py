@@ -37,7 +37,8 @@ class DigResult:
     """What was found where, and what had been stated when the crew dug.
 
     ``off_along_m`` is found minus stated along the pipe (positive away from the launch), None where nothing was found
-    or nobody measured; ``stated_*`` are frozen: a later run must not make an old statement look better.
+    or nobody measured, and ``sigma_m`` how well that was measured (1 sigma, None: by tape as usual). ``stated_*`` are
+    frozen: a later run must not make an old statement look better. A ``missed`` leak was dug up where none was stated.
     """
 
     number: int
@@ -53,7 +54,13 @@ class DigResult:
     stated_low95_m: float | None = None
     stated_high95_m: float | None = None
     at_utc: str = ""
-    operator: str = ""
+    operator: str = ""  # who entered it
+    dug_by: str = ""  # who was there
+    measured: str = "tape"  # tape | chainage | coordinates: what ``off_along_m`` comes from
+    sigma_m: float | None = None
+    stated_score: float | None = None  # the machine's probability that it is a leak
+    run_id: int = 0  # that stated it; 0 where that is not known
+    missed: bool = False
 
 
 @dataclass(frozen=True)

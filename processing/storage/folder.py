@@ -18,6 +18,7 @@ from processing.storage import backup, documents, migration, schema
 from processing.storage.cache import Cache
 from processing.storage.creating import DATABASE_NAME, SUFFIX, create_folder
 from processing.storage.database import Database, check_header, open_read_only, open_writable
+from processing.storage.digs import DigStore
 from processing.storage.files import hash_file, safe_name, writing
 from processing.storage.lock import Lock, acquire
 from processing.storage.review import ReviewStore
@@ -35,13 +36,14 @@ def is_survey_folder(path: Path) -> bool:
 class SurveyFolder:
     """An open survey folder; :meth:`open` or :meth:`create` make one, ``with`` or :meth:`close` end it.
 
-    ``review`` holds runs, candidates and decisions. ``findings`` say what opening noticed.
+    ``review`` holds runs, candidates and decisions, ``digs`` what digs showed. ``findings`` say what opening noticed.
     """
 
     def __init__(self, path: Path, database: Database, lock: Lock | None, findings: tuple[Finding, ...]) -> None:
         self.path = path
         self.findings = findings
         self.review = ReviewStore(database)
+        self.digs = DigStore(database)
         self._db = database
         self._lock = lock
         self._own_cache: TemporaryDirectory[str] | None = None
