@@ -77,6 +77,12 @@ class ErrorCode(StrEnum):
     SOUND_DEVICE_GONE = "sound_device_gone"
     SOUND_SYSTEM_HANGS = "sound_system_hangs"
     SOUND_DEVICE_SWAPPED = "sound_device_swapped"
+    PHOTO_UNKNOWN = "photo_unknown"
+    PHOTO_HEIC = "photo_heic"
+    PHOTO_DAMAGED = "photo_damaged"
+    PHOTO_TOO_MANY_PIXELS = "photo_too_many_pixels"
+    OPINIONS_OTHER_SURVEY = "opinions_other_survey"
+    OPINIONS_NONE = "opinions_none"
 
 
 @dataclass(frozen=True)

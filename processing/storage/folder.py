@@ -21,6 +21,8 @@ from processing.storage.database import Database, check_header, open_read_only, 
 from processing.storage.digs import DigStore
 from processing.storage.files import hash_file, safe_name, writing
 from processing.storage.lock import Lock, acquire
+from processing.storage.opinions import OpinionStore
+from processing.storage.photos import PhotoStore
 from processing.storage.review import ReviewStore
 from processing.storage.unfinished import RESERVE_NAME, files_without_sum, running_findings, with_sums
 from processing.survey import Finding, ImportedFile, Params, Run, Severity, Survey
@@ -36,13 +38,16 @@ def is_survey_folder(path: Path) -> bool:
 class SurveyFolder:
     """An open survey folder; :meth:`open` or :meth:`create` make one, ``with`` or :meth:`close` end it.
 
-    ``review`` holds runs, candidates and decisions, ``digs`` what digs showed. ``findings`` say what opening noticed.
+    ``review`` holds runs, candidates and decisions, ``digs`` what digs showed, ``photos`` the pictures of the leaks,
+    ``opinions`` what second reviewers say. ``findings`` say what opening noticed.
     """
 
     def __init__(self, path: Path, database: Database, lock: Lock | None, findings: tuple[Finding, ...]) -> None:
         self.path = path
         self.findings = findings
         self.review = ReviewStore(database)
+        self.photos = PhotoStore(database, path)
+        self.opinions = OpinionStore(database)
         self.digs = DigStore(database)
         self._db = database
         self._lock = lock
