@@ -198,6 +198,8 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Measure the selection as A, against what lies around it"), Needs.RESULTS),
     _row("spectrum_b", N("Actions", "Compare with the selection"), "Shift+Y", Page.VIEW, "spectrum.use_b",
          N("Actions", "Measure the selection as B"), Needs.RESULTS),
+    _row("settings", N("Actions", "Settings…"), "F7", Page.VIEW, "work.settings.show",
+         N("Actions", "Language, colours, size of letters, units, and your company on the report")),
     _row("language", N("Actions", "Türkçe / English"), "F8", Page.VIEW, "toggle_language",
          N("Actions", "Switch the language")),
     _row("theme", N("Actions", "Sun, light or dark"), "F9", Page.VIEW, "next_theme",

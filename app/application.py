@@ -8,14 +8,16 @@ from pathlib import Path
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
-from app import appearance, diagnostics
+from app import appearance, diagnostics, text_scale
 from app.devices.audio_output import Sink, open_sink, why_silent
 from app.jobs import Jobs
 from app.main_window import MainWindow
 from app.recording_parts import RecordingKit
+from app.report_choices import window_quantities
 from app.services import Services
 from app.settings import PreferencesStore, log_folder
 from app.survey_session import SurveySession
+from widgets import units
 from widgets.message_boxes import Choice
 
 log = logging.getLogger(__name__)
@@ -41,14 +43,17 @@ class Application(QObject):
         self.guard = diagnostics.CrashGuard(self)
         self.guard.crashed.connect(self._tell_crash)
         self._telling = False
+        self._anew: tuple[Path | None] | None = None  # the survey to open when starting again
         appearance.apply_theme(qt, appearance.theme_named(preferences.values.theme))
         self.guard.install()
         self.window = self._make_window(preferences.values.language or appearance.system_language())
 
     def _make_window(self, language: str) -> MainWindow:
         self._translation.use(language)
+        units.use(window_quantities(self.services.preferences.values, language))
         window = MainWindow(self.services, language)
         window.language_asked.connect(self._change_language)
+        window.restart_asked.connect(self._restart)
         return window
 
     def _change_language(self, language: str) -> None:
@@ -61,9 +66,26 @@ class Application(QObject):
         built_when_asked = {"correlator": self.window.correlator.show, "recording": self.window.recording.show}
         if page in built_when_asked:
             built_when_asked[page]()
-        elif page != "start":
+        elif not self.window.work.open_page(page) and page != "start":
             self.window.show_page(page)
+        self.window.work.settings.came_from = old.work.settings.came_from
         old.deleteLater()
+
+    def _restart(self) -> None:
+        """End, and start again with what only a start can change; the survey is opened again."""
+        folder = self.services.session.folder
+        self._anew = (folder.path if folder is not None else None,)
+        self.window.close()
+
+    @property
+    def wants_restart(self) -> bool:
+        """Whether the program is to be started again when it has ended."""
+        return self._anew is not None
+
+    def start_again(self) -> None:
+        """Start the program again; only after :meth:`shut_down`."""
+        if self._anew is not None:
+            text_scale.start_anew(self._anew[0])
 
     def _tell_crash(self, what: str) -> None:
         if self._telling:  # one message is enough, however often a timer stumbles
@@ -99,13 +121,17 @@ def run_window(path: Path | None, read_only: bool = False) -> int:
     """Show the window, open ``path`` in it if there is one, and return the exit status when it is closed."""
     QApplication.setApplicationName("Leakline")
     QApplication.setDesktopFileName("leakline")
+    preferences = PreferencesStore()
+    text_scale.prepare(preferences.values.text_scale)
     qt = QApplication.instance() or QApplication(sys.argv[:1])
     assert isinstance(qt, QApplication)
-    application = Application(qt, PreferencesStore(), diagnostics.start_log(log_folder()))
+    application = Application(qt, preferences, diagnostics.start_log(log_folder()))
     application.window.show()
     application.warm_up()
     if path is not None:
         QTimer.singleShot(0, application, lambda: application.window.files.open_path(path, read_only=read_only))
     status = qt.exec()
     application.shut_down()
+    if application.wants_restart:
+        application.start_again()
     return int(status)

@@ -190,7 +190,7 @@ class FilesControl(QObject):
     def _show_preview(self, preview: "FolderPreview") -> None:
         if self._session.folder is not None:
             self._session.close()
-        self._page.set_survey(preview.survey, writable=True)
+        self._page.set_survey(opening.with_operator(preview.survey, self._preferences.values.operator), writable=True)
         self._show_files(preview)
         self.page_asked.emit("data")
         if opening.told_everything(preview):

@@ -53,6 +53,7 @@ class MainWindow(QMainWindow):
     """Composes; its methods without arguments are the handlers of the window's actions."""
 
     language_asked = Signal(str)
+    restart_asked = Signal()
 
     def __init__(self, services: Services, language: str) -> None:
         super().__init__()
@@ -310,7 +311,10 @@ class MainWindow(QMainWindow):
 
     def next_theme(self) -> None:
         """Sun, light, dark."""
-        name = appearance.next_theme(self._theme.name)
+        self.use_theme(appearance.next_theme(self._theme.name))
+
+    def use_theme(self, name: str) -> None:
+        """Look like this from now on."""
         self._preferences.change(theme=name)
         self._theme = appearance.theme_named(name)
         application = QApplication.instance()
@@ -321,9 +325,14 @@ class MainWindow(QMainWindow):
         self.recording.apply_theme(self._theme)
         self.work.apply_theme(self._theme)
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether work is in progress that the window must not be remade under."""
+        return bool(self._services.jobs.running) or self.recording.recording
+
     def toggle_language(self) -> None:
         """Ask for the window again in the other language."""
-        if self._services.jobs.running or self.recording.recording:
+        if self.is_busy:
             self.boxes.tell(self.tr("Please wait until the work in progress has ended."))
             return
         self.language_asked.emit("tr" if self._language == "en" else "en")

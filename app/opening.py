@@ -215,6 +215,11 @@ def _holds(path: Path, wanted: list[tuple[str, int]]) -> bool:
         return False
 
 
+def with_operator(survey: "Survey", operator: str) -> "Survey":
+    """Return the survey with this operator, where it names none."""
+    return replace(survey, info=replace(survey.info, operator=survey.info.operator or operator))
+
+
 def make_project(target: Path, survey: "Survey", files: "tuple[Path, ...]", operator: str, progress: Progress) -> Path:
     """Copy the device's files into a new survey folder and return it."""
     return create_folder(target, survey, files, progress, operator)

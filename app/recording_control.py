@@ -74,7 +74,8 @@ class RecordingControl(QObject):
         self._timer = QTimer(self)
         self._timer.setInterval(LOOK_MS)
         self._timer.timeout.connect(self.look)
-        recall(page, preferences.values.recording)
+        values = preferences.values
+        recall(page, values.recording | {"operator": values.recording.get("operator") or values.operator})
         self._connect()
 
     def _connect(self) -> None:

@@ -43,6 +43,7 @@ class Preferences:
     reviewer: str = ""  # the second reviewer's name, as typed last
     layout: dict[str, str] = field(default_factory=dict)  # tabs, filters and modes of the review pages
     tour_seen: bool = False
+    operator: str = ""  # of new surveys, as typed in the settings
 
 
 class PreferencesStore:

@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.page_host import PageHost
 from app.services import Services
+from app.settings_control import SettingsControl
 from widgets.plot_theme import Theme
 
 if TYPE_CHECKING:
@@ -23,6 +24,20 @@ class Workplace(QObject):
     def __init__(self, window: "MainWindow", services: Services, language: str, host: PageHost) -> None:
         super().__init__(window)
         self._window, self._services, self._language, self._host = window, services, language, host
+        self.settings = SettingsControl(
+            host, services.preferences, language, window, lambda: window.boxes, lambda: window.is_busy
+        )
+        self.settings.told.connect(self.told)
+        self.settings.language_asked.connect(window.language_asked)
+        self.settings.theme_asked.connect(window.use_theme)
+        self.settings.restart_asked.connect(window.restart_asked)
+
+    def open_page(self, page: str) -> bool:
+        """Show a page that is built when it is asked for; returns whether it is one of these."""
+        opener = self._host.openers.get(page)
+        if opener is not None:
+            opener()
+        return opener is not None
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""

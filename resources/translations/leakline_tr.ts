@@ -216,6 +216,10 @@
         <translation>Tuşlar</translation>
     </message>
     <message>
+        <source>Language, colours, size of letters, units, and your company on the report</source>
+        <translation>Dil, renkler, yazı boyu, birimler ve rapordaki firma bilgileriniz</translation>
+    </message>
+    <message>
         <source>Leaks page</source>
         <translation>Kaçaklar sayfası</translation>
     </message>
@@ -410,6 +414,10 @@
     <message>
         <source>Selection from here</source>
         <translation>Buradan seç</translation>
+    </message>
+    <message>
+        <source>Settings…</source>
+        <translation>Ayarlar…</translation>
     </message>
     <message>
         <source>Short events, steady sounds, excess</source>
@@ -994,6 +1002,57 @@
     <message>
         <source>time</source>
         <translation>zaman</translation>
+    </message>
+</context>
+<context>
+    <name>CompanyForm</name>
+    <message>
+        <source>Address</source>
+        <translation>Adres</translation>
+    </message>
+    <message>
+        <source>Choose a logo…</source>
+        <translation>Logo seç…</translation>
+    </message>
+    <message>
+        <source>Company</source>
+        <translation>Firma</translation>
+    </message>
+    <message>
+        <source>Contact</source>
+        <translation>İletişim</translation>
+    </message>
+    <message>
+        <source>Foot of every page</source>
+        <translation>Sayfa altı yazısı</translation>
+    </message>
+    <message>
+        <source>Licence or project number</source>
+        <translation>Lisans ya da proje no</translation>
+    </message>
+    <message>
+        <source>Logo</source>
+        <translation>Logo</translation>
+    </message>
+    <message>
+        <source>More lines of the cover</source>
+        <translation>Kapağa ek satırlar</translation>
+    </message>
+    <message>
+        <source>No logo</source>
+        <translation>Logo olmasın</translation>
+    </message>
+    <message>
+        <source>Your company on the report</source>
+        <translation>Rapordaki firma bilgileri</translation>
+    </message>
+    <message>
+        <source>one a line, for example:  Contract: 2026/17</source>
+        <translation>her satıra bir tane, örneğin:  Sözleşme: 2026/17</translation>
+    </message>
+    <message>
+        <source>telephone, e-mail</source>
+        <translation>telefon, e-posta</translation>
     </message>
 </context>
 <context>
@@ -3462,6 +3521,172 @@ bir daha</translation>
     <message>
         <source>Lines of the file</source>
         <translation>Dosyadaki çizgiler</translation>
+    </message>
+</context>
+<context>
+    <name>SettingsControl</name>
+    <message>
+        <source>A logo for the report</source>
+        <translation>Rapor için logo</translation>
+    </message>
+    <message>
+        <source>Cancel</source>
+        <translation>Vazgeç</translation>
+    </message>
+    <message>
+        <source>Please wait until the work in progress has ended.</source>
+        <translation>Lütfen süren iş bitene kadar bekleyin.</translation>
+    </message>
+    <message>
+        <source>Reset</source>
+        <translation>Sıfırla</translation>
+    </message>
+    <message>
+        <source>Set looks, units and layouts back to what they were at first?</source>
+        <translation>Görünüm, birimler ve düzen ilk haline döndürülsün mü?</translation>
+    </message>
+    <message>
+        <source>The logo could not be copied: {reason}</source>
+        <translation>Logo kopyalanamadı: {reason}</translation>
+    </message>
+    <message>
+        <source>The logo's file is not there any more. Please choose it again.</source>
+        <translation>Logo dosyası artık yerinde yok. Lütfen yeniden seçin.</translation>
+    </message>
+    <message>
+        <source>This is no PNG, JPEG or SVG picture. Please choose another file.</source>
+        <translation>Bu dosya PNG, JPEG ya da SVG resmi değil. Lütfen başka bir dosya seçin.</translation>
+    </message>
+    <message>
+        <source>This picture is too large: at most 5 MB and 6000 pixels a side.</source>
+        <translation>Bu resim çok büyük: en çok 5 MB, kenarı en çok 6000 piksel olabilir.</translation>
+    </message>
+    <message>
+        <source>{size}: it will look coarse in print; 350 pixels wide or more is better.</source>
+        <translation>{size}: baskıda net çıkmaz; en az 350 piksel genişlik daha iyidir.</translation>
+    </message>
+    <message>
+        <source>{width} × {height} pixels</source>
+        <translation>{width} × {height} piksel</translation>
+    </message>
+</context>
+<context>
+    <name>SettingsPanel</name>
+    <message>
+        <source>Back (F7)</source>
+        <translation>Geri (F7)</translation>
+    </message>
+    <message>
+        <source>Colours</source>
+        <translation>Renkler</translation>
+    </message>
+    <message>
+        <source>Dark</source>
+        <translation>Koyu</translation>
+    </message>
+    <message>
+        <source>For the window and the report. Data files always are in metres, with a point.</source>
+        <translation>Pencere ve rapor içindir. Veri dosyaları her zaman metre birimiyle ve ondalık noktayla yazılır.</translation>
+    </message>
+    <message>
+        <source>Language</source>
+        <translation>Dil</translation>
+    </message>
+    <message>
+        <source>Language of the report</source>
+        <translation>Raporun dili</translation>
+    </message>
+    <message>
+        <source>Language, names, company and the list of surveys stay; looks, units and layouts go.</source>
+        <translation>Dil, adlar, firma bilgileri ve ölçüm listesi kalır; görünüm, birimler ve düzen ilk haline döner.</translation>
+    </message>
+    <message>
+        <source>Light</source>
+        <translation>Açık</translation>
+    </message>
+    <message>
+        <source>Operator of new surveys</source>
+        <translation>Yeni ölçümlerin operatörü</translation>
+    </message>
+    <message>
+        <source>People and report</source>
+        <translation>Kişiler ve rapor</translation>
+    </message>
+    <message>
+        <source>Places along the pipe</source>
+        <translation>Hat üzerindeki yerler</translation>
+    </message>
+    <message>
+        <source>Quantities</source>
+        <translation>Büyüklükler</translation>
+    </message>
+    <message>
+        <source>Reset to defaults</source>
+        <translation>Varsayılanlara dön</translation>
+    </message>
+    <message>
+        <source>Second reviewer</source>
+        <translation>İkinci değerlendiren</translation>
+    </message>
+    <message>
+        <source>Settings</source>
+        <translation>Ayarlar</translation>
+    </message>
+    <message>
+        <source>Show the hints again</source>
+        <translation>İpuçlarını yeniden göster</translation>
+    </message>
+    <message>
+        <source>Size of letters and buttons</source>
+        <translation>Yazı ve düğme boyu</translation>
+    </message>
+    <message>
+        <source>Start afresh</source>
+        <translation>Baştan başla</translation>
+    </message>
+    <message>
+        <source>Start anew now</source>
+        <translation>Şimdi yeniden başlat</translation>
+    </message>
+    <message>
+        <source>Sun: for outdoors</source>
+        <translation>Güneş: açık hava için</translation>
+    </message>
+    <message>
+        <source>The new size takes effect when Leakline starts anew.</source>
+        <translation>Yeni boy, Leakline yeniden başlatılınca geçerli olur.</translation>
+    </message>
+    <message>
+        <source>US: ft, in, psi</source>
+        <translation>ABD: ft, in, psi</translation>
+    </message>
+    <message>
+        <source>Units</source>
+        <translation>Birimler</translation>
+    </message>
+    <message>
+        <source>Window</source>
+        <translation>Pencere</translation>
+    </message>
+    <message>
+        <source>as the window</source>
+        <translation>pencere diliyle aynı</translation>
+    </message>
+    <message>
+        <source>chainage: 1234.5</source>
+        <translation>metraj: 1234,5</translation>
+    </message>
+    <message>
+        <source>metric: m, mm, bar</source>
+        <translation>metrik: m, mm, bar</translation>
+    </message>
+    <message>
+        <source>stationing: 1+234.5</source>
+        <translation>istasyon: 1+234,5</translation>
+    </message>
+    <message>
+        <source>{percent} %</source>
+        <translation>%{percent}</translation>
     </message>
 </context>
 <context>

@@ -10,7 +10,8 @@ from processing.quantities import Places, Units
 def test_defaults_are_metric_chainage_and_the_language_of_the_window():
     options = report_options(Preferences(), "tr")
     assert (options.language, options.units, options.places) == ("tr", Units.METRIC, Places.CHAINAGE)
-    assert options.company.name == "" and options.company.extra == ()
+    assert options.company.name == ""
+    assert options.company.extra == ()
 
 
 def test_the_report_may_speak_another_language_than_the_window():
