@@ -64,6 +64,16 @@ class LevelView(CurvePlot):
             self._set_whole(low, high + 0.12 * (high - low))
         self.invalidate()
 
+    def level_at(self, time_s: float) -> float | None:
+        """Return the level in dB at a moment; None where there is none."""
+        if self._level is None:
+            return None
+        chainage_m = self._cursor.chainage_at(time_s)
+        along = self._level.by_chainage
+        in_metres = along is not None and chainage_m is not None
+        level = along.value_at(chainage_m) if in_metres else self._level.by_time.value_at(time_s)
+        return level if math.isfinite(level) else None
+
     def _show_data(self) -> None:
         self._show_scale(self._scale if self._level is not None else None, self.tr("dB"))
         self._show_curve(self._background_item, self._background, self._theme.curve_third)

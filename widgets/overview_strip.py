@@ -120,6 +120,11 @@ class OverviewStrip(CurvePlot):
         if at_edge and window.width() > 3 * EDGE_PIXELS:
             self.setCursor(Qt.CursorShape.SizeHorCursor)
 
+    def _pinch(self, factor: float, before: QPointF, now: QPointF) -> None:
+        """Zoom about the fingers, and let the window go with them."""
+        super()._pinch(factor, before, before)
+        self._cursor.pan(self.x_of_pixel(now.x()) - self.x_of_pixel(before.x()))
+
     def mark_radius(self) -> float:
         """Return the size of a candidate's mark: small, there are many."""
         return 0.28 * self._theme.metrics().height()

@@ -1,19 +1,19 @@
 """The path from above: track with its 95 % interval, known places, leaks, scale and north; a click moves the cursor.
 
-Mouse: click on the path moves the cursor, drag pans, wheel zooms about the mouse, double click shows everything.
+Mouse: click on the path moves the cursor, drag pans (with the ruler's tool: measures along the path), wheel and two
+fingers zoom, double click shows everything, or what lies there.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QResizeEvent
+from PySide6.QtWidgets import QWidget
 
 from processing.survey import Candidate, Decision, FloatArray, Stretch, TiePoint, Track
 from widgets.compared_paths import ComparedLines, ComparedPath
-from widgets.linked_plot import ZOOM_STEP
 from widgets.path_items import BAND_Z, PathLines
 from widgets.path_paint import (
     Labels,
@@ -24,33 +24,27 @@ from widgets.path_paint import (
     paint_north,
     paint_scale_bar,
 )
-from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment
-from widgets.plan_mouse import PlanMouse
-from widgets.plan_pins import Pin, PlanPins, ToLocal, name_pins, paint_pins
+from widgets.plan_geometry import PlanScale, ThinnedPath, fitting, nearest_moment, way_between
+from widgets.plan_hand import REACH_PIXELS, PlanHand
+from widgets.plan_pins import Pin, PlanPins, ToLocal
+from widgets.plan_places import PlanPlaces, paint_places
 from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, plot_item
-from widgets.plot_marks import Marks, Readout
+from widgets.plot_marks import Marks
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
+from widgets.ruler import paint_ruler_on_plan
 from widgets.throttle import Throttle
 from widgets.time_cursor import TimeCursor
 
 MARGIN = 48.0
-REACH_PIXELS = 40.0
 
 
-class PathView(QWidget):
+class PathView(PlanHand):
     """Plan view with equal scales of east and north; ``cursor`` is shared with the other views."""
 
-    pointed = Signal(object)  # Readout, or None when the mouse has left
-    candidate_clicked = Signal(int)
-    tie_clicked = Signal(int)
-    tie_dragged = Signal(int, float, float)  # number, east, north: while it moves
-    tie_dropped = Signal(int, float, float)
-    tie_drag_ended = Signal()  # it was let go, or taken back by Escape
-
     def __init__(self, cursor: TimeCursor, theme: Theme = LIGHT, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+        super().__init__(cursor, parent)
         self.setAccessibleName(self.tr("Path from above"))
-        self._cursor, self._theme = cursor, theme
+        self._theme = theme
         self._track: Track | None = None
         self._path: ThinnedPath | None = None
         self._route = np.empty((0, 2))
@@ -59,18 +53,14 @@ class PathView(QWidget):
         self._marks = Marks()
         self._stretches: tuple[Stretch, ...] = ()
         self._show_interval = True
-        self._scale = PlanScale((0.0, 0.0), 10.0, (1.0, 1.0))
-        self._fitted = self._stale = True
+        self._stale = True
         self._build()
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor: QPointF | None = None
-        self._mouse = PlanMouse(self)
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         # the highlighted part costs a whole repaint: while others pan, it follows ten times a second
         self._follow_range = Throttle(lambda *_: self.invalidate(), 100, self)
         cursor.moved.connect(self._follow_cursor)
+        cursor.ruler.changed.connect(self.refresh)
         cursor.range_changed.connect(self._follow_range.__call__)  # a bound method goes with its object
 
     def _build(self) -> None:
@@ -153,11 +143,6 @@ class PathView(QWidget):
 
     # --- what is in view ----------------------------------------------------------------------------------------
 
-    @property
-    def plan_scale(self) -> PlanScale:
-        """Where metres lie in the picture."""
-        return self._scale
-
     def fit(self) -> None:
         """Show everything."""
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
@@ -216,7 +201,11 @@ class PathView(QWidget):
         return QPointF(*self._scale.pixel(east, north))
 
     def _cursor_pixel(self, time_s: float | None = None) -> QPointF | None:
-        place = self._cursor.position_at(self._cursor.time_s if time_s is None else time_s)
+        return self.pixel_of_moment(self._cursor.time_s if time_s is None else time_s)
+
+    def pixel_of_moment(self, time_s: float) -> QPointF | None:
+        """Return the pixel of where the device was at a moment; None without a path."""
+        place = self._cursor.position_at(time_s)
         if place is None or not (math.isfinite(place[0]) and math.isfinite(place[1])):
             return None
         return QPointF(*self._scale.pixel(place[0], place[1]))
@@ -239,6 +228,10 @@ class PathView(QWidget):
     def invalidate(self) -> None:
         """Have everything brought up to date and painted anew."""
         self._stale = True
+        self._canvas.viewport().update()
+
+    def refresh(self) -> None:
+        """Lay down again what is there, and the cursor over it."""
         self._canvas.viewport().update()
 
     def _prepare(self) -> None:
@@ -266,10 +259,19 @@ class PathView(QWidget):
                 paint_band(painter, self._theme, self._scale, self._track, times)
 
     def _paint_device(self, painter: QPainter) -> None:
-        place, ahead = self._cursor_pixel(), self._cursor_pixel(self._cursor.time_s + 1.0)
+        place, ahead = self._cursor_pixel(), self.pixel_of_moment(self._cursor.time_s + 1.0)
         self._painted_cursor = place
+        ruler = self._cursor.ruler
+        if ruler.ends_s is not None and self._path is not None:
+            way = [QPointF(*pixel) for pixel in way_between(self._path, self._scale, ruler.ends_s)]
+            painter.setFont(self._theme.font())
+            paint_ruler_on_plan(painter, self._theme, way, ruler.label, QRectF(self.rect()))
         if place is not None:
             paint_cursor(painter, self._theme, place, ahead)
+        if self.hasFocus():
+            painter.setPen(QPen(QColor(self._theme.accent), 2))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawRect(QRectF(self.rect()).adjusted(1, 1, -1, -1))
 
     def _paint_places(self, painter: QPainter) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -291,20 +293,12 @@ class PathView(QWidget):
         for _, centre in (*pins, *marks):
             labels.keep_free(centre, radius)
         keep_furniture_free(labels, self._theme, self._scale)
-        chosen = [pair for pair in pins if pair[0].number is not None and pair[0].number == self._pins.selected]
-        name_pins(labels, chosen, radius + 3, strong=True)  # what one works on is named while there is room
-        paint_pins(painter, self._theme, pins, 0.7 * radius, self._pins.selected)
         pixmaps, ratio = self._mark_pixmaps, self.devicePixelRatioF()
         if pixmaps is None or not pixmaps.fits(self._theme, radius, ratio):
             pixmaps = self._mark_pixmaps = VerdictMarks(self._theme, radius, ratio)
-        for candidate, centre in marks:
-            selected = candidate.id == self._marks.selected
-            pixmaps.paint(painter, self._marks.verdict(candidate), centre, selected=selected)
-        # the weighty ones are painted last but named first, so that they get a place
-        named = () if self._mouse.carries else tuple(reversed(marks))  # a carried tie point must follow the hand
-        for candidate, centre in named:
-            labels.write(str(candidate.label), centre, radius + 3, strong=candidate.id == self._marks.selected)
-        name_pins(labels, [pair for pair in pins if pair not in chosen], radius + 3)
+        places = PlanPlaces(pins, self._pins.selected, marks, self._marks, radius)
+        # a carried tie point must follow the hand
+        paint_places(painter, labels, self._theme, places, pixmaps, names=not self._mouse.carries)
         self._compared.paint_names(painter, labels, self._scale, self._theme)
 
     def _end_pins(self) -> tuple[Pin, ...]:
@@ -314,14 +308,14 @@ class PathView(QWidget):
 
     # --- the mouse ----------------------------------------------------------------------------------------------
 
-    def moment_at(self, place: QPointF) -> float | None:
-        """Return the moment at which the path passes nearest to a pixel; None where it is far."""
+    def moment_at(self, place: QPointF, reach: float = REACH_PIXELS) -> float | None:
+        """Return the moment at which the path passes nearest to a pixel; None where it is farther than ``reach``."""
         if self._path is None:
             return None
         rows = self._path.rows_for(0.5 / self._scale.pixels_per_m)
         pixels = self._scale.pixels(self._path.plane_m[rows])
         now = self._cursor.time_s
-        return nearest_moment(self._path.time_s[rows], pixels, (place.x(), place.y()), now, REACH_PIXELS)
+        return nearest_moment(self._path.time_s[rows], pixels, (place.x(), place.y()), now, reach)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the middle where it is, or everything in view."""
@@ -331,70 +325,11 @@ class PathView(QWidget):
         self._scale = PlanScale(self._scale.centre_m, self._scale.pixels_per_m, size)
         self._refit()
 
+    def tie_at(self, place: QPointF) -> int | None:
+        """Return the tie point whose pin lies under a pixel."""
+        return self._pins.at(place, self._scale)
+
     def movable_tie_at(self, place: QPointF) -> int | None:
         """Return the tie point that a press takes up; under a leak's mark only the selected one: else that is meant."""
         tie = self._pins.at(place, self._scale) if self.ties_movable else None
         return tie if tie == self._pins.selected or self.candidate_at(place) is None else None
-
-    def pan_to(self, scale: PlanScale) -> None:
-        """Show another part of the map, by hand: it no longer follows what there is to show."""
-        self._fitted = False
-        self._set_scale(scale)
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin a click, a pan, or the drag of a tie point."""
-        if event.button() is not Qt.MouseButton.LeftButton:
-            super().mousePressEvent(event)
-            return
-        self._mouse.press(event.position())
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Pan or drag, and say what lies under the mouse."""
-        place = event.position()
-        if self._mouse.holds:
-            self._mouse.move(place)
-            return
-        self.setCursor(self._mouse.shape_over(place))
-        east, north = self._scale.metres(place.x(), place.y())
-        self.pointed.emit(Readout(None, None, (east, north, math.nan)))
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End a pan or a drag; without one it was a click."""
-        if event.button() is not Qt.MouseButton.LeftButton:
-            super().mouseReleaseEvent(event)
-        elif self._mouse.release(event.position()):
-            self._click(event.position())
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Escape puts a tie point back that is being dragged."""
-        if event.key() != Qt.Key.Key_Escape or not self._mouse.escape():
-            super().keyPressEvent(event)
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Show everything."""
-        if event.button() is Qt.MouseButton.LeftButton and self.candidate_at(event.position()) is None:
-            self.fit()
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom about the mouse."""
-        place = event.position()
-        self.pan_to(self._scale.zoomed(ZOOM_STEP ** (-event.angleDelta().y() / 120.0), place.x(), place.y()))
-        event.accept()
-
-    def leaveEvent(self, event: QEvent) -> None:
-        """Nothing lies under the mouse any more."""
-        super().leaveEvent(event)
-        self.pointed.emit(None)
-
-    def _click(self, place: QPointF) -> None:
-        candidate_id = self.candidate_at(place)
-        if candidate_id is not None:
-            self.candidate_clicked.emit(candidate_id)
-            return
-        pin = self._pins.at(place, self._scale)
-        if pin is not None:
-            self.tie_clicked.emit(pin)
-            return
-        moment = self.moment_at(place)
-        if moment is not None:
-            self._cursor.set_time(moment)

@@ -97,6 +97,16 @@ class ThinnedPath:
         return self.levels[min(level, len(self.levels) - 1)]
 
 
+def way_between(path: ThinnedPath, scale: PlanScale, ends_s: tuple[float, float]) -> FloatArray:
+    """Return the pixels (n ≥ 2, 2) of the path from one moment to another, drawn to within a pixel."""
+    start_s, end_s = min(ends_s), max(ends_s)
+    rows = path.rows_for(1.0 / scale.pixels_per_m)
+    times = path.time_s[rows]
+    inside = rows[np.searchsorted(times, start_s, side="right") : np.searchsorted(times, end_s, side="left")]
+    ends = np.column_stack([np.interp([start_s, end_s], path.time_s, column) for column in path.plane_m.T])
+    return scale.pixels(np.concatenate((ends[:1], path.plane_m[inside], ends[1:])))
+
+
 def runs(keep: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Return where stretches of True begin and end (exclusive)."""
     edges = np.flatnonzero(np.diff(keep.astype(np.int8), prepend=0, append=0))

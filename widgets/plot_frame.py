@@ -21,6 +21,7 @@ from widgets.plot_canvas import Keep, KeptCanvas, PaintedItem, plot_item
 from widgets.plot_marks import Marks
 from widgets.plot_paint import lay_elsewhere, paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
+from widgets.ruler import paint_ruler
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
 
@@ -48,6 +49,7 @@ class PlotFrame(QWidget):
         self._marks = Marks()
         self._not_assessed: tuple[Stretch, ...] = ()
         self._channel: Channel | None = None  # which stretches concern this plot; None: all
+        self._names_ruler = False  # one of several plots above one another is enough
         self._stale = self._is_urgent = True
         self._kept: _Kept | None = None
         self._ready_span: tuple[float, float] | None = None  # for which the items are up to date, but not yet painted
@@ -71,6 +73,7 @@ class PlotFrame(QWidget):
         cursor.range_changed.connect(self.invalidate_in_turn)
         cursor.axis_changed.connect(self.invalidate)
         cursor.selection_changed.connect(self.refresh)
+        cursor.ruler.changed.connect(self.refresh)
 
     # --- what it is told ----------------------------------------------------------------------------------------
 
@@ -345,6 +348,7 @@ class PlotFrame(QWidget):
         rect = self.plot_rect()
         painter.setFont(self._theme.font())
         self._paint_selection(painter, rect)
+        self._paint_ruler(painter, rect)
         x = self._painted_cursor_x = self.pixel_of_time(self._cursor.time_s)
         if rect.left() <= x <= rect.right():
             painter.setPen(QPen(QColor(self._theme.cursor), self._theme.line_width))
@@ -364,6 +368,13 @@ class PlotFrame(QWidget):
         colour = QColor(self._theme.accent)
         colour.setAlpha(50)
         painter.fillRect(area, colour)
+
+    def _paint_ruler(self, painter: QPainter, rect: QRectF) -> None:
+        """Draw what is being measured."""
+        ruler = self._cursor.ruler
+        if ruler.ends_s is not None:
+            first, second = (self.pixel_of_time(t) for t in ruler.ends_s)
+            paint_ruler(painter, self._theme, rect, (first, second), ruler.label, name=self._names_ruler)
 
     def _value_rect(self) -> QRectF:
         rect = self.plot_rect()

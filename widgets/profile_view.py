@@ -26,6 +26,7 @@ class ProfileView(CurvePlot):
         super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
         self.setAccessibleName(self.tr("Elevation profile"))
         self._channel = Channel.PATH
+        self._names_ruler = True
         self._up: Curve | None = None
         self._low: Curve | None = None
         self._high: Curve | None = None

@@ -39,6 +39,7 @@ class SpectrogramView(SoundPicture):
         super().__init__(cursor, theme, parent, show_x_axis=show_x_axis)
         self.setAccessibleName(self.tr("Spectrogram"))
         self.select_tool = False  # a plain drag selects
+        self._names_ruler = True
         self._band_hz: tuple[float, float] | None = None
         self._dragged_band_hz: tuple[float, float] | None = None
         self._band_before_hz = (0.0, 0.0)  # what a drag began with

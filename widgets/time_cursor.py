@@ -7,6 +7,7 @@ from PySide6.QtCore import QObject, Signal
 
 from processing.survey import FloatArray, Track
 from widgets.frame_turns import FrameTurns
+from widgets.ruler import Ruler
 from widgets.time_axis import AxisMode, DistanceMap
 
 LEAST_SPAN_S = 0.002
@@ -28,6 +29,8 @@ class TimeCursor(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.turns = FrameTurns(self)  # of the views that follow
+        self.ruler = Ruler(self)
+        self.moved.connect(self.ruler.follow)
         self._map: DistanceMap | None = None
         self._track: Track | None = None
         self._mode = AxisMode.TIME
@@ -157,6 +160,7 @@ class TimeCursor(QObject):
             return
         self._extent_s = (start_s, max(end_s, start_s + LEAST_SPAN_S))
         self._selection_s = None
+        self.ruler.remove()
         self._time_s = min(max(self._time_s, self._extent_s[0]), self._extent_s[1])
         self._range_s, self._range_m = self._extent_s, self._extent_m()
         self.axis_changed.emit()
