@@ -61,6 +61,7 @@ class DigResult:
     stated_score: float | None = None  # the machine's probability that it is a leak
     run_id: int = 0  # that stated it; 0 where that is not known
     missed: bool = False
+    stated_widen: float = 1.0  # by what the statement had been widened already, after earlier digs
 
 
 @dataclass(frozen=True)
@@ -86,19 +87,44 @@ class LoggedDecision:
 
 
 @dataclass(frozen=True)
+class ScoreBand:
+    """How many digs at places with a score of ``low``..``high`` found a leak, with the 95 % interval of the share.
+
+    For the report only: scores are never changed by it.
+    """
+
+    low: float
+    high: float
+    digs: int
+    leaks: int
+    share_low: float
+    share_high: float
+
+
+@dataclass(frozen=True)
 class DigHistory:
     """The digs of all surveys of a kind of pipe and run, this computer's memory: what the intervals were worth.
 
-    ``held`` of ``count`` measured digs lay inside of the stated 95 % interval; errors are absolute, along the pipe.
+    ``held`` of ``count`` measured digs lay inside of the stated 95 % interval; errors are along the pipe, absolute but
+    for the bias (found minus stated, positive away from the launch). Its sentences: :mod:`processing.dig_words`.
     """
 
-    kind: str  # in words of the data, such as "rolling, ductile iron": for the sentence
+    kind: str  # which digs: ``rolling/ductile_iron/300/tied``, parts that are not told apart being ``*``
     count: int
     held: int
     median_error_m: float
     p95_error_m: float
-    dry_holes: int  # digs at confirmed leaks that found nothing or something else
+    dry_holes: int  # digs at stated leaks that found nothing or something else
     widen: float = 1.0  # by which factor intervals should be multiplied to hold 95 %, 1 where nothing speaks against
+    dug: int = 0  # digs at stated leaks, measured or not
+    missed: int = 0  # leaks dug up where none had been stated
+    held_low: float = 0.0  # 95 % intervals of the shares held and dry (Clopper and Pearson 1934)
+    held_high: float = 1.0
+    dry_low: float = 0.0
+    dry_high: float = 1.0
+    bias_m: float = 0.0
+    bias_sigma_m: float = float("nan")  # of the mean error; NaN below two digs
+    bands: tuple[ScoreBand, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -152,8 +152,20 @@ class ProcessingChoice:
 
 
 @dataclass(frozen=True)
+class StatedIntervals:
+    """By what the report widens all 95 % intervals along the pipe: the operator's choice after digs, never made alone.
+
+    ``digs`` is how many measured digs it rests on, ``kind`` which: as in :class:`processing.review_facts.DigHistory`.
+    """
+
+    widen: float = 1.0
+    digs: int = 0
+    kind: str = ""
+
+
+@dataclass(frozen=True)
 class Survey:
-    """All that the operator told about one run: the content of ``survey.toml``."""
+    """All that the operator told about one run: the content of ``survey.toml``, but for ``stated``, found by digs."""
 
     info: SurveyInfo = field(default_factory=SurveyInfo)
     pipe: PipeInfo = field(default_factory=PipeInfo)
@@ -164,6 +176,7 @@ class Survey:
     route: Route | None = None
     processing: ProcessingChoice = field(default_factory=ProcessingChoice)
     calibration_leak: CalibrationLeak | None = None
+    stated: StatedIntervals = field(default_factory=StatedIntervals)
 
 
 # --- what the device recorded, and what is wrong with it -----------------------------------------------------------

@@ -14,6 +14,7 @@ from processing.reporting.options import ReportOptions
 from processing.results import Results
 from processing.review_facts import ReviewRecord
 from processing.sound.sizes import LeakSize, size_of
+from processing.stated import as_stated
 from processing.survey import Candidate, Channel, Decision, LeakClass, Stretch, TiePoint, Verdict
 
 STATUS = {
@@ -109,7 +110,11 @@ def make_content(
     record: ReviewRecord | None = None,
     options: ReportOptions | None = None,
 ) -> ReportContent:
-    """Return what a report of ``results`` says; ``decisions`` maps candidate ids to verdicts."""
+    """Return what a report of ``results`` says; ``decisions`` maps candidate ids to verdicts.
+
+    Intervals along the pipe are widened where the operator has chosen so after digs (:mod:`processing.stated`).
+    """
+    results = as_stated(results)
     frame = frame_of(results.survey)
     places = known_places(results)
     rows = tuple(

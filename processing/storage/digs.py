@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.review_facts import DigResult
+from processing.stated import widened
 from processing.storage.database import Database, Row
 from processing.storage.plain import from_json, storable, to_json
 from processing.survey import Candidate
@@ -117,17 +118,23 @@ def stated_as(other: DigResult, result: DigResult) -> DigResult:
         stated_low95_m=other.stated_low95_m,
         stated_high95_m=other.stated_high95_m,
         stated_score=other.stated_score,
+        stated_widen=other.stated_widen,
         run_id=other.run_id,
     )
 
 
-def stated_by(candidate: Candidate, run_id: int, result: DigResult) -> DigResult:
-    """Return ``result`` with what a candidate of a run states; a place or score that is not known becomes None."""
+def stated_by(candidate: Candidate, run_id: int, result: DigResult, widen: float = 1.0) -> DigResult:
+    """Return ``result`` with what a run's report states of a candidate, its interval widened by ``widen``.
+
+    A place or score that is not known becomes None.
+    """
+    told = widened(candidate, widen)
     return replace(
         result,
-        stated_chainage_m=_known(candidate.chainage_m),
-        stated_low95_m=_known(candidate.chainage_low95_m),
-        stated_high95_m=_known(candidate.chainage_high95_m),
+        stated_chainage_m=_known(told.chainage_m),
+        stated_low95_m=_known(told.chainage_low95_m),
+        stated_high95_m=_known(told.chainage_high95_m),
+        stated_widen=max(widen, 1.0),
         stated_score=_known(candidate.score),
         run_id=run_id,
     )

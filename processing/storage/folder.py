@@ -4,6 +4,7 @@ An open folder belongs to the thread that opened it. Long work in another thread
 a folder with :func:`processing.storage.creating.create_folder` and leaves the opening to its caller.
 """
 
+import hashlib
 import sqlite3
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -144,6 +145,13 @@ class SurveyFolder:
     def original_dir(self) -> Path:
         """The folder with the imported files, untouched: what :mod:`processing.importing` reads."""
         return self.recording_dir(1) / "original"
+
+    @property
+    def identity(self) -> str:
+        """What tells this survey from all others, the same in all copies of its folder."""
+        made = self._db.one("SELECT created_utc FROM recordings ORDER BY id LIMIT 1")
+        told = self._db.one("SELECT at_utc, part, after FROM survey_log ORDER BY id LIMIT 1")
+        return hashlib.sha256(repr((made, told)).encode()).hexdigest()[:24]
 
     def recording_dir(self, recording: int) -> Path:
         """Return the folder of one recording."""
