@@ -55,6 +55,8 @@ class Player(QObject):
     """The buttons' brain. ``make_sink`` opens the sound card; tests give it one that only counts."""
 
     failed = Signal(object)  # Exception
+    played_on = Signal()  # the playback has moved the cursor
+    stopped = Signal()
 
     def __init__(
         self,
@@ -190,6 +192,8 @@ class Player(QObject):
         if listening is not None:
             listening.close()
         self._show()
+        if playback is not None:
+            self.stopped.emit()
 
     def _play_from_cursor(self) -> None:
         results = self._session.results
@@ -233,7 +237,9 @@ class Player(QObject):
             self.stop()
             return
         self._following = True
-        self._session.cursor.set_time(float(results.clock.to_survey(playback.position / audio.sample_rate_hz)))
+        now_s = float(results.clock.to_survey(playback.position / audio.sample_rate_hz))
+        self._session.cursor.set_time(now_s, reveal=False)  # whether the views follow is not for the player to say
+        self.played_on.emit()
         self._following = False
         if not playback.active:
             error = playback.error

@@ -36,6 +36,7 @@ from widgets.spectrogram_view import SpectrogramView
 from widgets.spectrum_panel import SpectrumPanel
 from widgets.tile_source import TileSource
 from widgets.time_cursor import TimeCursor
+from widgets.view_tools import ViewTools
 from widgets.vocabulary import clock_text, number
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class ReviewPage(QWidget):
         self.imu = ImuView(cursor, theme)
         self.table = CandidateTable(theme)
         self.decision = DecisionPanel(theme)
-        self.playback = PlaybackBar()
+        self.playback, self.view_tools = PlaybackBar(), ViewTools()
         self.methods, self.markers = MethodPanel(), MarkerPanel()
         self.quality = QualityPanel(cursor, theme)
         self.clock = ClockPanel(theme)
@@ -79,6 +80,7 @@ class ReviewPage(QWidget):
         self._readout.setTextFormat(Qt.TextFormat.PlainText)
         self._readout.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self._readout.setMinimumWidth(10)
+        self._measured = ""
         self.strips = (self.overview, self.spectrogram, self.level, self.imu, self.profile)
         self.views = (self.path, *self.strips)
         for view in self.views:
@@ -118,6 +120,7 @@ class ReviewPage(QWidget):
         self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, beside, self._side)
         foot = QHBoxLayout()
         foot.addWidget(self.playback, 1)
+        foot.addWidget(self.view_tools)
         foot.addWidget(self._readout)
         whole = QVBoxLayout(self)
         whole.setContentsMargins(6, 6, 6, 4)
@@ -227,6 +230,7 @@ class ReviewPage(QWidget):
         for view in self.views:
             view.apply_theme(theme)
         self.tools.apply_theme(theme)
+        self.view_tools.redraw()
         self.table.set_theme(theme)
         self.decision.set_theme(theme)
 
@@ -236,8 +240,14 @@ class ReviewPage(QWidget):
         self._pointed = readout
         self._show_readout()
 
+    def show_measured(self, text: str, hint: str) -> None:
+        """Say below the read-out what the ruler measures; empty without one."""
+        self._measured = text
+        self._readout.setToolTip(hint)
+        self._show_readout()
+
     def _show_readout(self) -> None:
-        self._readout.setText(self.readout_text())
+        self._readout.setText("\n".join(line for line in (self.readout_text(), self._measured) if line))
 
     def readout_text(self) -> str:
         """Return time, chainage ±, east, north, and under the mouse frequency and level."""

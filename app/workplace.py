@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Signal
 from app.page_host import PageHost
 from app.services import Services
 from app.settings_control import SettingsControl
+from app.views_control import ViewsControl
 from widgets.plot_theme import Theme
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ class Workplace(QObject):
     def __init__(self, window: "MainWindow", services: Services, language: str, host: PageHost) -> None:
         super().__init__(window)
         self._window, self._services, self._language, self._host = window, services, language, host
+        self.views = ViewsControl(window, services)
         self.settings = SettingsControl(
             host, services.preferences, language, window, lambda: window.boxes, lambda: window.is_busy
         )

@@ -70,8 +70,10 @@ class LevelView(CurvePlot):
             return None
         chainage_m = self._cursor.chainage_at(time_s)
         along = self._level.by_chainage
-        in_metres = along is not None and chainage_m is not None
-        level = along.value_at(chainage_m) if in_metres else self._level.by_time.value_at(time_s)
+        if along is not None and chainage_m is not None:
+            level = along.value_at(chainage_m)
+        else:
+            level = self._level.by_time.value_at(time_s)
         return level if math.isfinite(level) else None
 
     def _show_data(self) -> None:

@@ -10,7 +10,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFocusEvent, QPainter, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
@@ -19,13 +18,13 @@ from processing.survey import Candidate, Channel, Decision, Stretch
 from widgets.plot_axes import CommonAxis, ValueAxis
 from widgets.plot_canvas import Keep, KeptCanvas, PaintedItem, plot_item
 from widgets.plot_marks import Marks
+from widgets.plot_near import near
 from widgets.plot_paint import lay_elsewhere, paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.ruler import paint_ruler
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
 
-FEW_CANDIDATES = 8
 SPLIT_MS = 3.0  # a step that takes longer is done in two turns
 
 
@@ -258,23 +257,12 @@ class PlotFrame(QWidget):
         name = self.tr("m") if self._cursor.axis_mode is AxisMode.DISTANCE else self.tr("time")
         self._common_axis.show_unit(self._cursor.axis_mode, name, self.locale())
         self._show_data()
-        self._mark_places = [(c, place) for c in self._near() if (place := self._mark_centre(c)) is not None]
+        around = near(self._marks, self._cursor, self.x_span())
+        self._mark_places = [(c, place) for c in around if (place := self._mark_centre(c)) is not None]
         self._value_axis.set_room(whole.translated(0.0, -rect.top()))
         self._common_axis.set_room(whole.translated(-rect.left(), -rect.bottom()))
         for item in (self._ground, self._details, self._mark_item):
             item.renew(whole)
-
-    def _near(self) -> list[Candidate]:
-        """Return the candidates in sight or little beside it, in drawing order."""
-        candidates, (low, high) = self._marks.in_drawing_order, self.x_span()
-        if len(candidates) <= FEW_CANDIDATES:
-            return candidates
-        metres = np.array([candidate.chainage_m for candidate in candidates])
-        x = self._cursor.x_of_time(np.nan_to_num(np.array([candidate.time_s for candidate in candidates])))
-        if self._cursor.axis_mode is AxisMode.DISTANCE:
-            x = np.where(np.isfinite(metres), metres, x)
-        spare = 0.05 * (high - low)
-        return [candidates[row] for row in np.flatnonzero((x >= low - spare) & (x <= high + spare))]
 
     def _lay_out(self, rect: QRectF) -> None:
         """Let the view box stand exactly in ``rect``."""
