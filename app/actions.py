@@ -123,6 +123,16 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Go one candidate up the list"), Needs.RESULTS),
     _row("undecided", N("Actions", "Next undecided"), "U", Page.REVIEW, "review.next_undecided",
          N("Actions", "Go to the next candidate without a verdict"), Needs.RESULTS),
+    _row("undecided_up", N("Actions", "Previous undecided"), "Shift+U", Page.REVIEW, "review.previous_undecided",
+         N("Actions", "Go to the candidate above without a verdict"), Needs.RESULTS),
+    _row("filter", N("Actions", "Next filter of the list"), "N", Page.REVIEW, "work.list.next_filter",
+         N("Actions", "Show all candidates, or only the undecided, unsure, confirmed or rejected ones"), Needs.RESULTS),
+    _row("filter_more", N("Actions", "Filter by class and score…"), "Shift+N", Page.REVIEW, "work.list.open_filter",
+         N("Actions", "Choose class and least score of the candidates that the list shows"), Needs.RESULTS),
+    _row("filter_clear", N("Actions", "Clear filter"), "Ctrl+Shift+N", Page.REVIEW, "work.list.clear_filter",
+         N("Actions", "Show all candidates in the list again"), Needs.RESULTS),
+    _row("batch", N("Actions", "Reject below a score…"), "Ctrl+B", Page.REVIEW, "work.list.open_batch",
+         N("Actions", "Reject all undecided candidates of the list below a score, in one step"), Needs.RESULTS),
     _row("why", N("Actions", "Why a leak"), "W", Page.REVIEW, "evidence.toggle",
          N("Actions", "Show what speaks for and against a leak here, or the list again"), Needs.CANDIDATE),
     _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
@@ -131,6 +141,13 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Add a candidate at the cursor that the machine missed; while recording, what is passed now"),
          Needs.RESULTS,
          short=N("Actions", "Mark")),
+    _row("mark_back", N("Actions", "Move mark back"), "Ctrl+Shift+Left", Page.REVIEW, "work.marks.nudge_back",
+         N("Actions", "Move the selected mark a fiftieth of what is shown towards the launch"), Needs.CANDIDATE),
+    _row("mark_forward", N("Actions", "Move mark forward"), "Ctrl+Shift+Right", Page.REVIEW,
+         "work.marks.nudge_forward",
+         N("Actions", "Move the selected mark a fiftieth of what is shown away from the launch"), Needs.CANDIDATE),
+    _row("mark_cursor", N("Actions", "Move mark to the cursor"), "Shift+M", Page.REVIEW, "work.marks.place_at_cursor",
+         N("Actions", "Put the selected mark where the cursor is"), Needs.CANDIDATE),
     _row("tie", N("Actions", "Tie point here"), "T", Page.REVIEW, "path.ties.add_here",
          N("Actions", "Add a tie point at the cursor: a place the device is known to have passed then"), Needs.RESULTS),
     # playback
@@ -138,6 +155,8 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Play the sound from the cursor, or pause"), Needs.RESULTS),
     _row("loop", N("Actions", "Play candidate in a loop"), "Shift+Space", Page.PLAY, "player.toggle_loop",
          N("Actions", "Play the selected candidate again and again, with two seconds of lead-in"), Needs.CANDIDATE),
+    _row("autoplay", N("Actions", "Listen on arrival"), "Shift+A", Page.PLAY, "work.list.toggle_autoplay",
+         N("Actions", "Play each candidate in a loop as soon as it is selected, or only by key"), Needs.RESULTS),
     _row("loop_selection", N("Actions", "Play selection in a loop"), "Ctrl+Space", Page.PLAY,
          "player.toggle_selection_loop",
          N("Actions", "Play what is selected in the sound again and again; without a selection, the candidate"),
@@ -226,7 +245,8 @@ ACTIONS: tuple[ActionRow, ...] = (
 )  # fmt: skip
 
 
-ONCE_A_PRESS = frozenset({"record_press", "mark"})  # a key that is held down neither ends a run nor marks again
+# a key that is held down neither ends a run nor marks again
+ONCE_A_PRESS = frozenset({"record_press", "mark", "mark_back", "mark_forward", "mark_cursor"})
 
 
 def translated(text: str) -> str:

@@ -7,8 +7,9 @@ from PySide6.QtCore import QCoreApplication
 from processing import messages
 from processing.sound.size_words import size_sentence
 from processing.survey import Params
-from widgets.candidate_table import CandidateRow
-from widgets.vocabulary import class_text, clock_text, frequency_text, number
+from widgets.candidate_row import CandidateRow
+from widgets.units import quantities
+from widgets.vocabulary import class_text, clock_text, frequency_text, number, size_text
 
 # what is said of a candidate, and from which value on it is worth a line
 WORTH_SAYING = {
@@ -55,6 +56,19 @@ def evidence_text(row: CandidateRow, language: str) -> str:
         path, sound, clock = (number(float(sigma), 2) for sigma in sigmas if sigma is not None)
         lines.append(messages.text("evidence", "sigmas", language, path=path, sound=sound, clock=clock))
     return "\n".join(lines)
+
+
+def evidence_brief(row: CandidateRow) -> str:
+    """Return what the decision panel has room for, two short lines; :func:`evidence_text` has all of it."""
+    candidate = row.candidate
+    if row.manual:
+        first = QCoreApplication.translate("Evidence", "Marked by hand.")
+    else:
+        text = QCoreApplication.translate("Evidence", "Leak {percent} % · looks like: {kind}")
+        first = text.format(percent=number(100.0 * candidate.score, 0), kind=class_text(candidate.leak_class))
+    parts = [f"{number(candidate.level_db, 1)} dB"] if math.isfinite(candidate.level_db) else []
+    parts += [quantities().length(candidate.width_m), clock_text(candidate.time_s), size_text(row.leak_size)]
+    return f"{first}\n{' · '.join(part for part in parts if part)}"
 
 
 def _pressure_lines(evidence: Params, language: str) -> list[str]:

@@ -12,7 +12,7 @@ from app.review_commands import EditSurvey
 from app.survey_session import SurveySession
 from processing import messages
 from processing.survey import CalibrationLeak, LeakClass
-from widgets.candidate_table import CandidateRow
+from widgets.candidate_row import CandidateRow
 from widgets.evidence_panel import EvidencePanel, EvidenceRow, ShownEvidence
 from widgets.evidence_plots import SmallPlot, Weighed
 from widgets.known_leak_dialog import KnownFlow, KnownLeakDialog

@@ -10,11 +10,19 @@ from processing.survey import Candidate, LeakClass
 if TYPE_CHECKING:
     from processing.results import Results
 
-REACTION_S = 0.5  # 1 sigma of the moment at which somebody who listens presses the key
+# From the loudest moment of a passing sound to the key: hearing that it is one (0.2 s and more for the simplest
+# reaction to a sound, twice that where one has to tell sounds apart; R. J. Kosinski, "A literature review on reaction
+# time") and the press of a glove.
+REACTION_S = 0.5
+REACTION_SIGMA_S = 0.5  # 1 sigma of that: people differ, and so do sounds
 
 
 def candidate_at(results: "Results", time_s: float) -> Candidate:
     """Return a candidate at ``time_s`` with the interval of the path there, widened by a human's reaction.
+
+    ``time_s`` is the moment heard: who marks while listening takes :data:`REACTION_S` off before (``Player.heard_s``).
+    The interval is as wide for a mark that was set in silence: where on a rise and fall of the sound it belongs, the
+    eye knows no better.
 
     Its score is NaN: nobody computed a probability. Without a path its place is NaN too.
     """
@@ -24,7 +32,7 @@ def candidate_at(results: "Results", time_s: float) -> Candidate:
         return Candidate(0, time_s, nan, nan, nan, (nan, nan, nan), nan, nan, LeakClass.LEAK, band, nan)
     place = places_at(results.track, time_s)
     speed_mps = float(np.interp(time_s, results.track.time_s, results.track.speed_mps))
-    reaction_m = REACTION_S * speed_mps
+    reaction_m = REACTION_SIGMA_S * speed_mps
     half_m = 1.959964 * float(np.hypot(place.sigma_along_m[0], reaction_m))
     east, north, up = (float(x) for x in place.position_w_m[0])
     chainage_m = float(place.chainage_m[0])

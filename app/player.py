@@ -159,7 +159,20 @@ class Player(QObject):
         self._start(audio, Stretch(first, last, loop=True, loop_start=first))
         if self.playing:
             self._looping = span
+            self._reveal(span)
             self._show()
+
+    def _reveal(self, span: LoopSpan) -> None:
+        """Show all that is heard: move the view there, and widen it where it is too narrow."""
+        cursor = self._session.cursor
+        first, last = (float(cursor.x_of_time(t)) for t in (span.start_s, span.end_s))
+        low, high = cursor.x_range
+        if low <= first and last <= high:
+            return
+        if last - first >= high - low:
+            cursor.set_x_range(first, last)
+        else:
+            cursor.pan(first - low if first < low else last - high)
 
     def choose_band(self, name: str) -> None:
         """Hear the ``whole`` sound, the band of ``leaks``, or that of the selected ``candidate``."""
@@ -263,6 +276,24 @@ class Player(QObject):
     def moves_cursor(self) -> bool:
         """Whether the cursor is being moved by the playback at this moment, not by the operator."""
         return self._following
+
+    def heard_s(self, reaction_s: float) -> float:
+        """Return the moment, survey seconds, that somebody who presses a key now has heard ``reaction_s`` ago.
+
+        What is played now is what the sound card lets out now: the playback takes its latency off. Slowed sound goes
+        by in so much less of the recording. In a loop, who presses just after it began anew has heard its end. While
+        nothing plays, it is the cursor: somebody has put it there with care.
+        """
+        playback, results = self._playback, self._session.results
+        audio = results.recording.audio if results is not None else None
+        if playback is None or results is None or audio is None:
+            return self._session.cursor.time_s
+        now_s = float(results.clock.to_survey(playback.position / audio.sample_rate_hz))
+        heard_s = now_s - reaction_s / self._slowness
+        span = self._looping
+        if span is not None and heard_s < span.start_s <= now_s:
+            return max(span.end_s - (span.start_s - heard_s), span.start_s)
+        return max(heard_s, self._session.cursor.extent_s[0])
 
     @property
     def _band_name(self) -> str:

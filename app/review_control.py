@@ -1,12 +1,13 @@
 """What the review keys and buttons do: verdicts, notes, marks, moving among candidates and along the run."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
-from app.evidence import evidence_text
-from app.marking import candidate_at
+from app.evidence import evidence_brief, evidence_text
+from app.marking import REACTION_S, candidate_at
 from app.player import Player
 from app.review_commands import Decide, Mark, WriteNote
 from app.survey_session import SurveySession
@@ -24,6 +25,8 @@ CLOSE_S = 1.0  # a cursor this close to a candidate means it, however narrow it 
 class ReviewControl(QObject):
     """Connects the session with the review page; each public method without arguments is an action's handler."""
 
+    told = Signal(str)  # what has just happened, for a line that goes away
+
     def __init__(
         self, session: SurveySession, page: "ReviewPage", player: Player, language: str, parent: QObject | None = None
     ) -> None:
@@ -31,16 +34,19 @@ class ReviewControl(QObject):
         self._session, self._page, self._player, self._language = session, page, player, language
         self._typing = 0  # counts the visits to the note field: what is typed in one visit is one undo step
         self._in_selection = False
+        self._refused = False
+        self._autoplay = False  # play each candidate on arrival
         session.results_changed.connect(self._show_results)
         session.opened.connect(self._show_results)
         session.candidates_changed.connect(self._show_candidates)
         session.decision_changed.connect(self._show_decision)
         session.selection_changed.connect(self._show_selection)
+        session.filter_changed.connect(self._show_list)
+        session.refused.connect(self._on_refused)
         session.survey_changed.connect(self._show_tie_points)
         session.survey_changed.connect(self._show_sizes)
         session.cursor.moved.connect(self._on_cursor)
         page.table.candidate_chosen.connect(self._choose)
-        page.table.order_changed.connect(self._set_order)
         page.candidate_clicked.connect(self._choose)
         page.decision.verdict_chosen.connect(self.decide)
         page.decision.class_chosen.connect(self._decide_class)
@@ -74,15 +80,35 @@ class ReviewControl(QObject):
             return
         looping = self._player.looping
         candidate_id = row.candidate.id
-        then = candidate_id if verdict is Verdict.NONE else self._session.next_undecided(candidate_id)
+        then = candidate_id if verdict is Verdict.NONE else self._session.list.next_to_judge(candidate_id)
         text = self.tr("{name}: {verdict}").format(name=row.name, verdict=verdict_text(verdict))
         after = replace(row.decision, verdict=verdict)
         if after == row.decision:
             self._session.select(candidate_id if then is None else then)
         else:
             self._session.push(Decide(self._session, text, candidate_id, after, then))
-        if looping and self._session.selected != candidate_id:
-            self._player.loop_selected()  # who listens in a loop goes on listening
+        if self._session.selected != candidate_id:
+            self._arrive(listening=looping)
+        elif verdict is not Verdict.NONE and self._session.decision(candidate_id) == after:
+            self._tell_end()
+
+    def set_autoplay(self, on: bool) -> None:
+        """Play each candidate on arrival, or wait for the key."""
+        self._autoplay = on
+
+    def _arrive(self, *, listening: bool) -> None:
+        """Let who listens in a loop go on listening where the selection has gone, and who wants to hear each."""
+        if listening or self._autoplay:
+            self._player.loop_selected()
+
+    def _tell_end(self) -> None:
+        """Say that nothing is left to judge, or that the filter hides it."""
+        left = sum(row.decision.verdict is Verdict.NONE for row in self._session.rows())
+        if left:
+            text = self.tr("Nothing undecided is left in this list; undecided ones that the filter hides: {count}")
+            self.told.emit(text.format(count=left))
+        else:
+            self.told.emit(self.tr("All candidates are decided: go to the report (Ctrl+5)"))
 
     def _decide_class(self, leak_class: LeakClass | None) -> None:
         row = self._session.row(self._session.selected)
@@ -115,35 +141,65 @@ class ReviewControl(QObject):
 
     def undo(self) -> None:
         """Take the last change back."""
-        self._page.decision.flush()
-        self._session.undo_stack.undo()
+        stack = self._session.undo_stack
+        self._again(stack.undoText, stack.undo, self.tr("Undone: {what}"))
 
     def redo(self) -> None:
         """Do it again."""
+        stack = self._session.undo_stack
+        self._again(stack.redoText, stack.redo, self.tr("Done again: {what}"))
+
+    def _again(self, name: Callable[[], str], step: Callable[[], None], words: str) -> None:
         self._page.decision.flush()
-        self._session.undo_stack.redo()
+        text, self._refused = name(), False
+        step()
+        if text and not self._refused:
+            self.told.emit(words.format(what=text))
+
+    def _on_refused(self) -> None:
+        self._refused = True
 
     def mark_here(self) -> None:
-        """Add a candidate at the cursor."""
+        """Add a candidate at the cursor, or while listening where it was heard."""
         results = self._session.results
         if results is None:
             return
-        candidate = candidate_at(results, self._session.cursor.time_s)
-        self._session.push(Mark(self._session, self.tr("mark by hand"), candidate))
+        playing = self._player.playing
+        candidate = candidate_at(results, self._player.heard_s(REACTION_S))
+        text = self.tr("mark by hand")
+        self._session.push(Mark(self._session, text, candidate, move_cursor=not playing))
 
     # --- moving ---
 
     def next_candidate(self) -> None:
         """Select the candidate below."""
-        self._session.select(self._session.neighbour(+1))
+        self._go(self._session.neighbour(+1))
 
     def previous_candidate(self) -> None:
         """Select the candidate above."""
-        self._session.select(self._session.neighbour(-1))
+        self._go(self._session.neighbour(-1))
 
     def next_undecided(self) -> None:
         """Select the next candidate without a verdict."""
-        self._session.select(self._session.next_undecided(self._session.selected))
+        self._go_undecided(upwards=False)
+
+    def previous_undecided(self) -> None:
+        """Select the candidate above without a verdict."""
+        self._go_undecided(upwards=True)
+
+    def _go_undecided(self, *, upwards: bool) -> None:
+        found = self._session.next_undecided(self._session.selected, upwards=upwards)
+        row = self._session.row(self._session.selected)
+        if found is not None:
+            self._go(found)
+        elif row is None or row.decision.verdict is not Verdict.NONE:
+            self._tell_end()
+
+    def _go(self, candidate_id: int | None) -> None:
+        listening, before = self._player.looping, self._session.selected
+        self._session.select(candidate_id)
+        if self._session.selected != before:
+            self._arrive(listening=listening)
 
     def go_to_candidate(self) -> None:
         """Bring cursor and views to the selected candidate, close enough to see it."""
@@ -215,38 +271,39 @@ class ReviewControl(QObject):
 
     def _show_sizes(self) -> None:
         """Tell the sizes anew: they rest on the pressure and on a known leak, which the form may have changed."""
-        self._page.table.set_rows(self._session.rows())
-        self._page.table.select(self._session.selected)
+        self._session.list.measure_sizes()
+        self._show_list()
         self._show_selected_row()
 
     def _show_candidates(self) -> None:
-        rows = self._session.rows()
-        self._page.table.set_rows(rows, searched=self._session.results is not None)
-        self._page.show_candidates(rows)
+        self._page.show_candidates(self._session.rows())
         self._show_selection()
 
+    def _show_list(self) -> None:
+        """Show what the filter lets through; who was decided leaves it here, when the selection has moved on."""
+        self._page.table.set_rows(self._session.list.shown(), searched=self._session.results is not None)
+        self._page.table.select(self._session.selected)
+
     def _show_decision(self, candidate_id: int) -> None:
-        self._page.table.set_decision(candidate_id, self._session.decision(candidate_id))
+        self._show_list()
         self._page.show_candidates(self._session.rows())
         if candidate_id == self._session.selected:
             self._show_selected_row()
 
     def _show_selection(self) -> None:
-        self._page.table.select(self._session.selected)
+        self._show_list()
         self._page.select_candidate(self._session.selected)
         self._show_selected_row()
 
     def _show_selected_row(self) -> None:
         row = self._session.row(self._session.selected)
-        evidence = "" if row is None else evidence_text(row, self._language)
-        self._page.decision.show_row(row, writable=self._session.writable, evidence=evidence)
-
-    def _set_order(self, order: str) -> None:
-        self._session.order = order
+        story = "" if row is None else evidence_text(row, self._language)
+        brief = "" if row is None else evidence_brief(row)
+        self._page.decision.show_row(row, writable=self._session.writable, evidence=brief, story=story)
 
     def _choose(self, candidate_id: int) -> None:
         self._in_selection = True
-        self._session.select(candidate_id)
+        self._go(candidate_id)
         self._in_selection = False
 
     def _on_cursor(self, time_s: float) -> None:
@@ -261,7 +318,7 @@ class ReviewControl(QObject):
             return
         chainage_m = self._session.cursor.chainage_at(time_s)
         best: tuple[float, int] | None = None
-        for row in self._session.rows():
+        for row in self._session.list.shown():
             candidate = row.candidate
             away_s = abs(candidate.time_s - time_s)
             inside = chainage_m is not None and abs(candidate.chainage_m - chainage_m) <= candidate.width_m / 2.0

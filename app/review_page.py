@@ -15,7 +15,8 @@ from app import view_data
 from app.page_tools import PageTools, TabTools
 from processing.survey import TiePoint, Track
 from widgets.band_panel import BandPanel
-from widgets.candidate_table import CandidateRow, CandidateTable
+from widgets.candidate_row import CandidateRow
+from widgets.candidate_table import CandidateTable
 from widgets.channel_panel import ChannelPanel
 from widgets.clock_panel import ClockPanel
 from widgets.decision_panel import DecisionPanel
@@ -36,6 +37,7 @@ from widgets.spectrogram_view import SpectrogramView
 from widgets.spectrum_panel import SpectrumPanel
 from widgets.tile_source import TileSource
 from widgets.time_cursor import TimeCursor
+from widgets.toast import Toast
 from widgets.view_tools import ViewTools
 from widgets.vocabulary import clock_text, number
 
@@ -90,6 +92,7 @@ class ReviewPage(QWidget):
         cursor.moved.connect(self._show_readout)
         cursor.axis_changed.connect(self._show_readout)
         self._lay_out()
+        self.toast = Toast(self)
         self.arrange("leaks")
 
     def _lay_out(self) -> None:

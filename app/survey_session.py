@@ -6,7 +6,7 @@ Everything that changes the survey goes through one of the commands of :mod:`app
 
 import getpass
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -14,14 +14,16 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoCommand, QUndoStack
 
+from app.candidate_list import CandidateList
+from app.review_view import ReviewView, visible_range
 from app.view_data import extent_s
 from processing.errors import ErrorCode, LeaklineError
 from processing.settings import Settings
-from processing.sound.sizes import size_of
+from processing.sound.sizes import LeakSize, size_of
 from processing.storage.folder import SurveyFolder
 from processing.storage.review import Orphan
-from processing.survey import Candidate, Decision, Finding, Run, Survey, Verdict
-from widgets.candidate_table import CandidateRow, sort_rows
+from processing.survey import Candidate, Decision, Finding, Run, Survey
+from widgets.candidate_row import CandidateFilter, CandidateRow
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
 
@@ -39,6 +41,7 @@ class SurveySession(QObject):
     candidates_changed = Signal()  # which ones there are
     decision_changed = Signal(int)
     selection_changed = Signal()
+    filter_changed = Signal()  # or the order: which candidates the list shows, and how
     survey_changed = Signal()  # form or tie points
     refused = Signal(object)  # LeaklineError: a change that could not be written; nothing has changed
 
@@ -46,7 +49,7 @@ class SurveySession(QObject):
         super().__init__(parent)
         self.cursor = TimeCursor(self)
         self.undo_stack = QUndoStack(self)
-        self.order = "score"
+        self.list = CandidateList(self._size_of)
         self._forget()
 
     def _forget(self) -> None:
@@ -56,10 +59,8 @@ class SurveySession(QObject):
         self.results: Results | None = None
         self.run: Run | None = None
         self.orphans: tuple[Orphan, ...] = ()
-        self._candidates: dict[int, Candidate] = {}
-        self._decisions: dict[int, Decision] = {}
-        self._manual: frozenset[int] = frozenset()
-        self._selected: int | None = None
+        self.list.selected = None
+        self.list.set_candidates((), {}, frozenset())
 
     # --- opening and closing ---
 
@@ -132,15 +133,15 @@ class SurveySession(QObject):
         self.undo_stack.clear()  # its commands speak of the ids of the run before
         self.run = run
         self.results = replace(results, candidates=candidates)
-        self._candidates = {c.id: c for c in candidates}
-        self._decisions = review.decisions(run) if run is not None else {}
-        self._manual = review.manual_ids(run) if run is not None else frozenset()
+        decisions = review.decisions(run) if run is not None else {}
+        self.list.selected = None
+        self.list.set_candidates(candidates, decisions, review.manual_ids(run) if run is not None else frozenset())
         self.orphans = review.orphaned_decisions()
-        self._selected = None
         self._set_axis(results)
         self.results_changed.emit()
         self.candidates_changed.emit()
-        self.select(self.next_undecided(after=None) or next(iter(self.ordered_ids()), None))
+        shown = self.list.shown_ids() or self.ordered_ids()
+        self.select(self.next_undecided(after=None) or next(iter(shown), None))
 
     def _set_axis(self, results: "Results") -> None:
         self.cursor.set_track(results.track)
@@ -160,68 +161,90 @@ class SurveySession(QObject):
         self._show_run(self.results, run, review.candidates(run))
 
     def rows(self) -> list[CandidateRow]:
-        """Return all candidates with their decisions, in the order of the list."""
-        return sort_rows([self._row(c) for c in self._candidates.values()], self.order)
+        """Return all candidates with their decisions, in the order of the list; no filter hides one here."""
+        return self.list.rows()
 
     def row(self, candidate_id: int | None) -> CandidateRow | None:
         """Return one candidate with its decision."""
-        candidate = self._candidates.get(candidate_id) if candidate_id is not None else None
-        if candidate is None:
-            return None
-        return self._row(candidate)
+        return self.list.row(candidate_id)
 
-    def _row(self, candidate: Candidate) -> CandidateRow:
-        """Return a candidate with its decision and the size that it would have as a leak, by the present form."""
-        size = None
-        if self.results is not None:
-            size = size_of(candidate, self.survey, self.results.settings.size, self.results.candidates)
-        return CandidateRow(candidate, self.decision(candidate.id), candidate.id in self._manual, size)
+    def _size_of(self, candidate: Candidate) -> LeakSize | None:
+        """Return the size that a candidate would have as a leak, by the present form."""
+        if self.results is None:
+            return None
+        return size_of(candidate, self.survey, self.results.settings.size, self.results.candidates)
 
     def ordered_ids(self) -> list[int]:
-        """Return the ids in the order of the list."""
-        return [row.candidate.id for row in self.rows()]
+        """Return all ids in the order of the list."""
+        return self.list.ids()
 
     def decision(self, candidate_id: int) -> Decision:
         """Return the decision on a candidate; an empty one where there is none."""
-        return self._decisions.get(candidate_id, Decision())
+        row = self.list.row(candidate_id)
+        return Decision() if row is None else row.decision
 
     @property
     def decisions(self) -> dict[int, Decision]:
-        """All decisions of the present run, by candidate id."""
-        return dict(self._decisions)
+        """All decisions of the present run that say something, by candidate id."""
+        return self.list.decisions()
+
+    # --- what the list shows, and how ---
+
+    @property
+    def filter(self) -> CandidateFilter:
+        """Which candidates the list shows; the views show all."""
+        return self.list.filter
+
+    def set_filter(self, wanted: CandidateFilter) -> None:
+        """Show other candidates in the list; the selection stays."""
+        if wanted != self.list.filter:
+            self.list.filter = wanted
+            self.filter_changed.emit()
+
+    def set_order(self, order: str) -> None:
+        """Sort by ``score`` or ``chainage``."""
+        if order != self.list.order:
+            self.list.order = order
+            self.filter_changed.emit()
+
+    @property
+    def view(self) -> ReviewView:
+        """How the review is seen now."""
+        cursor = self.cursor
+        return ReviewView(self.selected, self.filter, cursor.axis_mode, cursor.x_range)
+
+    def show_view(self, view: ReviewView) -> None:
+        """See the review as it was: filter, range and selection; the selected candidate is in sight in any case."""
+        self.set_filter(view.filter)
+        visible_range(self.cursor, view)
+        self.select(view.selected)
 
     # --- selection ---
 
     @property
     def selected(self) -> int | None:
         """The id of the selected candidate."""
-        return self._selected
+        return self.list.selected
 
     def select(self, candidate_id: int | None, *, move_cursor: bool = True) -> None:
         """Select a candidate and bring the cursor to it."""
-        if candidate_id is not None and candidate_id not in self._candidates:
+        row = self.list.row(candidate_id)
+        if candidate_id is not None and row is None:
             return
-        changed = candidate_id != self._selected
-        self._selected = candidate_id
+        changed = candidate_id != self.list.selected
+        self.list.selected = candidate_id
         if changed:
             self.selection_changed.emit()
-        if move_cursor and candidate_id is not None:
-            self.cursor.set_time(self._candidates[candidate_id].time_s)
+        if move_cursor and row is not None:
+            self.cursor.set_time(row.candidate.time_s)
 
     def neighbour(self, step: int) -> int | None:
-        """Return the id ``step`` places down the list, the ends being the ends."""
-        ids = self.ordered_ids()
-        if not ids:
-            return None
-        at = ids.index(self._selected) if self._selected in ids else -1 if step > 0 else len(ids)
-        return ids[min(max(at + step, 0), len(ids) - 1)]
+        """Return the id ``step`` places down the shown list, the ends being the ends."""
+        return self.list.neighbour(step)
 
-    def next_undecided(self, after: int | None) -> int | None:
-        """Return the next candidate without a verdict, below ``after``, then from the top; None for none."""
-        ids = self.ordered_ids()
-        start = ids.index(after) + 1 if after in ids else 0
-        around = ids[start:] + ids[:start]
-        return next((i for i in around if i != after and self.decision(i).verdict is Verdict.NONE), None)
+    def next_undecided(self, after: int | None, *, upwards: bool = False) -> int | None:
+        """Return the next shown candidate without a verdict, below ``after``, then from the top; None for none."""
+        return self.list.next_undecided(after, upwards=upwards)
 
     # --- writing; called by the commands only ---
 
@@ -231,14 +254,26 @@ class SurveySession(QObject):
 
     def write_decision(self, candidate_id: int, decision: Decision, reason: str) -> bool:
         """Put a decision on disk, then show it; returns False, having told why, where it could not be written."""
+        return self.write_decisions({candidate_id: decision}, reason)
+
+    def write_decisions(self, decisions: Mapping[int, Decision], reason: str) -> bool:
+        """Put decisions on disk, all of them or none, then show them; False where they could not be written."""
 
         def write() -> None:
-            self._folder().review.decide(candidate_id, decision, self.operator, reason)
+            review = self._folder().review
+            if len(decisions) == 1:
+                review.decide(*next(iter(decisions.items())), self.operator, reason)
+            else:
+                review.decide_many(decisions, self.operator, reason)
 
         if not self._written(write):
             return False
-        self._decisions[candidate_id] = decision
-        self.decision_changed.emit(candidate_id)
+        for candidate_id, decision in decisions.items():
+            self.list.set_decision(candidate_id, decision)
+        if len(decisions) == 1:
+            self.decision_changed.emit(next(iter(decisions)))
+        else:
+            self.candidates_changed.emit()
         return True
 
     def write_mark(self, candidate: Candidate) -> Candidate | None:
@@ -265,6 +300,23 @@ class SurveySession(QObject):
         self._show_mark(candidate, shown=not withdrawn)
         return True
 
+    def write_mark_moved(self, before: Candidate, moved: Candidate) -> Candidate | None:
+        """Put a mark to another place, under the same number and with its decision; None where it was refused."""
+        stored: list[Candidate] = []
+        review = self._folder().review
+        if not self._written(lambda: stored.append(review.move_manual_candidate(before.id, moved, self.operator))):
+            return None
+        self._swap_marks(before, stored[0])
+        return stored[0]
+
+    def write_mark_back(self, now: Candidate, then: Candidate) -> bool:
+        """Undo, or redo, the moving of a mark: ``then`` is one of its earlier (later) places."""
+        review = self._folder().review
+        if not self._written(lambda: review.swap_manual_candidates(now.id, then.id, self.operator)):
+            return False
+        self._swap_marks(now, then)
+        return True
+
     def write_survey(self, survey: Survey) -> bool:
         """Put form and tie points on disk, then show them."""
         if not self._written(lambda: self._folder().write_survey(survey, self.operator)):
@@ -282,15 +334,26 @@ class SurveySession(QObject):
         return True
 
     def _show_mark(self, candidate: Candidate, *, shown: bool) -> None:
-        self._candidates.pop(candidate.id, None)
-        self._manual = self._manual - {candidate.id}
         if shown:
-            self._candidates[candidate.id] = candidate
-            self._manual = self._manual | {candidate.id}
+            self.list.add_mark(candidate, self._folder().review.decision(candidate.id))
+        else:
+            self.list.remove(candidate.id)
+        self._tell_marks()
+
+    def _swap_marks(self, gone: Candidate, come: Candidate) -> None:
+        """Show a mark at its other place; who was selected stays so, though it has another id."""
+        selected = self.list.selected == gone.id
+        self.list.remove(gone.id)
+        self.list.add_mark(come, self._folder().review.decision(come.id))
+        if selected:
+            self.list.selected = come.id
+        self._tell_marks()
+        if selected:
+            self.cursor.set_time(come.time_s)
+
+    def _tell_marks(self) -> None:
         if self.results is not None:
-            self.results = replace(self.results, candidates=tuple(self._candidates.values()))
-        if self._selected not in self._candidates:
-            self._selected = None
+            self.results = replace(self.results, candidates=tuple(row.candidate for row in self.list.rows()))
         self.candidates_changed.emit()
 
     def _written(self, write: Callable[[], object]) -> bool:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
+from app.list_control import ListControl
+from app.mark_control import MarkControl
 from app.page_host import PageHost
 from app.services import Services
 from app.settings_control import SettingsControl
@@ -26,6 +28,14 @@ class Workplace(QObject):
         super().__init__(window)
         self._window, self._services, self._language, self._host = window, services, language, host
         self.views = ViewsControl(window, services)
+        table, toast = window.review_page.table, window.review_page.toast
+        self.list = ListControl(services.session, table, services.preferences, window)
+        self.marks = MarkControl(services.session, window.player, self)
+        self.list.autoplay_changed.connect(window.review.set_autoplay)
+        self.list.report_asked.connect(window.show_report)
+        window.review.set_autoplay(on=self.list.autoplay)
+        for told in (window.review.told, self.list.told, self.marks.told):
+            told.connect(toast.tell)
         self.settings = SettingsControl(
             host, services.preferences, language, window, lambda: window.boxes, lambda: window.is_busy
         )
@@ -46,3 +56,5 @@ class Workplace(QObject):
 
     def stop(self) -> None:
         """Leave no work behind: the window closes."""
+        self.list.stop()
+        self._window.review_page.toast.stop()

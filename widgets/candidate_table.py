@@ -1,8 +1,7 @@
 """The list of candidates with verdict, place and score; its selection is the session's, in both directions."""
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import (
@@ -14,10 +13,9 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QIcon
+from PySide6.QtGui import QIcon, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QHBoxLayout,
     QHeaderView,
     QLabel,
     QPushButton,
@@ -27,53 +25,29 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from processing.sound.sizes import LeakSize
-from processing.survey import Candidate, Decision, LeakClass, Verdict
+from processing.survey import Decision, Verdict
+from widgets.candidate_row import CandidateRow
+from widgets.list_tools import ListTools
 from widgets.plot_theme import Theme
-from widgets.quiet_combo import QuietCombo
-from widgets.vocabulary import class_text, half_width_m, number, size_text, verdict_icon, verdict_text
+from widgets.vocabulary import (
+    class_text,
+    half_width_m,
+    length_cell,
+    number,
+    place_cell,
+    place_title,
+    size_text,
+    verdict_icon,
+    verdict_text,
+    width_title,
+)
 
 Index = QModelIndex | QPersistentModelIndex
 ROOT = QModelIndex()
 ROW_HEIGHT = 40
+WIDE = 520  # pixels: a narrower list leaves columns away
 
 ID, VERDICT, CHAINAGE, PLUS_MINUS, SCORE, CLASS, LEVEL, NOTE = range(8)
-
-
-@dataclass(frozen=True)
-class CandidateRow:
-    """A candidate with what a human said of it; ``manual`` ones were marked by hand."""
-
-    candidate: Candidate
-    decision: Decision
-    manual: bool = False
-    size: LeakSize | None = None  # that it would have as a leak
-
-    @property
-    def kind(self) -> LeakClass:
-        """What it is taken for: by the operator, else by the machine."""
-        return self.decision.leak_class or self.candidate.leak_class
-
-    @property
-    def leak_size(self) -> LeakSize | None:
-        """The size, None for what is no leak."""
-        return self.size if self.kind in (LeakClass.LEAK, LeakClass.UNKNOWN) else None
-
-    @property
-    def name(self) -> str:
-        """The name on the list and in the views: L3, or M4 for a manual mark."""
-        return f"{'M' if self.manual else 'L'}{self.candidate.label}"
-
-
-def sort_rows(rows: Sequence[CandidateRow], order: str) -> list[CandidateRow]:
-    """Return the rows best score first (``score``) or from the launch on (``chainage``), unknown ones last."""
-    if order == "chainage":
-        return sorted(rows, key=lambda r: (_known_first(r.candidate.chainage_m), r.candidate.id))
-    return sorted(rows, key=lambda r: (_known_first(-r.candidate.score), r.candidate.id))
-
-
-def _known_first(value: float) -> float:
-    return math.inf if math.isnan(value) else value
 
 
 class CandidateModel(QAbstractTableModel):
@@ -82,6 +56,7 @@ class CandidateModel(QAbstractTableModel):
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.rows: list[CandidateRow] = []
+        self.narrow = False
         self.set_theme(theme)
 
     def set_theme(self, theme: Theme) -> None:
@@ -93,6 +68,20 @@ class CandidateModel(QAbstractTableModel):
         self.beginResetModel()
         self.rows = list(rows)
         self.endResetModel()
+
+    def update_rows(self, rows: Sequence[CandidateRow]) -> None:
+        """Show these rows, which are the same candidates in the same order: only what differs is drawn anew."""
+        for i, (before, after) in enumerate(zip(self.rows, rows, strict=True)):
+            if before is not after:
+                self.rows[i] = after
+                self.dataChanged.emit(self.index(i, 0), self.index(i, NOTE))
+
+    def set_narrow(self, narrow: bool) -> None:
+        """Tell verdicts by their marks alone, whose word is in the tool tip, and the ± beside the place."""
+        self.narrow = narrow
+        if self.rows:
+            self.dataChanged.emit(self.index(0, 0), self.index(len(self.rows) - 1, NOTE))
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, NOTE)
 
     def set_decision(self, candidate_id: int, decision: Decision) -> None:
         """Change one row's decision."""
@@ -116,9 +105,9 @@ class CandidateModel(QAbstractTableModel):
         if role == Qt.ItemDataRole.DisplayRole:
             return (
                 self.tr("No."),
-                self.tr("Verdict"),
-                self.tr("At (m)"),
-                self.tr("± m"),
+                "" if self.narrow else self.tr("Verdict"),
+                place_title(),
+                width_title(),
                 self.tr("Score"),
                 self.tr("Class"),
                 self.tr("dB"),
@@ -141,9 +130,11 @@ class CandidateModel(QAbstractTableModel):
         """Qt: the content of a cell."""
         row, column = self.rows[index.row()], index.column()
         if role == Qt.ItemDataRole.DisplayRole:
+            return "" if self.narrow and column == VERDICT else self._text(row, column)
+        if role == Qt.ItemDataRole.AccessibleTextRole:
             return self._text(row, column)
         if role == Qt.ItemDataRole.ToolTipRole:
-            return row.decision.note if column == NOTE else self._text(row, column)
+            return row.decision.note if column == NOTE or row.decision.note else self._text(row, column)
         if role == Qt.ItemDataRole.DecorationRole and column == VERDICT:
             return self._icons.get(row.decision.verdict)
         if role == Qt.ItemDataRole.TextAlignmentRole and column in (CHAINAGE, PLUS_MINUS, SCORE, LEVEL):
@@ -158,14 +149,15 @@ class CandidateModel(QAbstractTableModel):
             case 1:
                 return "" if decision.verdict is Verdict.NONE else verdict_text(decision.verdict)
             case 2:
-                return number(candidate.chainage_m, 1)
+                return place_cell(candidate.chainage_m)
             case 3:
-                return number(half_width_m(candidate), 1)
+                return length_cell(half_width_m(candidate))
             case 4:
                 return "–" if row.manual else number(candidate.score, 2)
             case 5:
                 kind, size = class_text(row.kind), size_text(row.leak_size)
-                return f"{kind}, {size}" if size else kind
+                told = f"{kind}, {size}" if size else kind
+                return f"✎ {told}" if self.narrow and decision.note else told
             case 6:
                 return number(candidate.level_db, 1)
             case _:
@@ -173,34 +165,24 @@ class CandidateModel(QAbstractTableModel):
 
 
 class CandidateTable(QWidget):
-    """The table with its order and its count of decided candidates."""
+    """The table with its tools: filter, order, progress. It shows the rows that it is given and filters none itself."""
 
     candidate_chosen = Signal(int)  # by mouse or keyboard in the table
-    order_changed = Signal(str)
     process_asked = Signal()  # place them anew: the path has moved since they were found
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.model = CandidateModel(theme, self)
-        self._order = QuietCombo()
-        self._order.setMinimumHeight(40)
-        self._order.setAccessibleName(self.tr("Order of the list"))
-        self._order.addItem(self.tr("Best score first"), "score")
-        self._order.addItem(self.tr("From the launch on"), "chainage")
-        self._order.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._order.currentIndexChanged.connect(self._reorder)
-        self._count = QLabel()
+        self.tools = ListTools()
         self._empty = QLabel()
         self._empty.setWordWrap(True)
         self._empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._table = self._make_table()
         self._stale = self._make_stale()
-        top = QHBoxLayout()
-        top.addWidget(self._order, 1)
-        top.addWidget(self._count)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.addLayout(top)
+        layout.setSpacing(4)
+        layout.addWidget(self.tools)
         layout.addWidget(self._stale)
         layout.addWidget(self._empty, 1)
         layout.addWidget(self._table, 1)
@@ -236,20 +218,22 @@ class CandidateTable(QWidget):
         table.setAlternatingRowColors(True)
         table.verticalHeader().hide()
         table.verticalHeader().setDefaultSectionSize(ROW_HEIGHT)
-        table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        table.horizontalHeader().setMinimumSectionSize(24)
-        table.horizontalHeader().setStretchLastSection(True)
+        header = table.horizontalHeader()
+        header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        header.setResizeContentsPrecision(0)  # by what is in sight: of hundreds of rows all would be asked each time
+        header.setMinimumSectionSize(24)
+        header.setStretchLastSection(True)
         table.selectionModel().currentRowChanged.connect(self._on_current)
         return table
 
-    @property
-    def order(self) -> str:
-        """``score`` or ``chainage``."""
-        return str(self._order.currentData())
-
-    def set_order(self, order: str) -> None:
-        """Sort by ``score`` or ``chainage``."""
-        self._order.setCurrentIndex(max(0, self._order.findData(order)))
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: in a narrow list the columns that can be read elsewhere give way; the verdict stays as its mark."""
+        super().resizeEvent(event)
+        narrow = self.width() < WIDE
+        if narrow != self.model.narrow:
+            self.model.set_narrow(narrow)
+            for column in (LEVEL, NOTE):
+                self._table.setColumnHidden(column, narrow)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw the verdicts as this theme does."""
@@ -257,26 +241,34 @@ class CandidateTable(QWidget):
         self._table.viewport().update()
 
     def set_rows(self, rows: Sequence[CandidateRow], *, searched: bool = True) -> None:
-        """Show these candidates; the selection is kept where it still exists.
+        """Show these candidates in this order; the selection is kept where it still exists.
 
         An empty list says that nothing was found, or that nothing has been ``searched`` yet.
         """
+        if [row.candidate.id for row in rows] == self.ids():
+            self.model.update_rows(rows)
+            self._show_empty(searched=searched)
+            return
         kept = self.selected_id()
         self._quiet = True
-        self.model.set_rows(sort_rows(rows, self.order))
+        self.model.set_rows(rows)
         self._quiet = False
+        self._show_empty(searched=searched)
+        if kept is not None:
+            self.select(kept)
+
+    def _show_empty(self, *, searched: bool) -> None:
+        rows = self.model.rows
         found_none = self.tr("No leak candidates were found. M marks one by hand at the cursor.")
+        if self.tools.filtered:
+            found_none = self.tr("No candidate fits the filter.")
         self._empty.setText(found_none if searched else self.tr("Leaks have not been looked for yet."))
         self._empty.setVisible(not rows)
         self._table.setVisible(bool(rows))
-        self._show_count()
-        if kept is not None:
-            self.select(kept)
 
     def set_decision(self, candidate_id: int, decision: Decision) -> None:
         """Change one candidate's verdict, class and note."""
         self.model.set_decision(candidate_id, decision)
-        self._show_count()
 
     def set_stale(self, stale: bool) -> None:
         """Say that the path has moved since the candidates were placed."""
@@ -304,13 +296,10 @@ class CandidateTable(QWidget):
         """Return all ids in the order shown."""
         return [row.candidate.id for row in self.model.rows]
 
-    def _reorder(self) -> None:
-        self.set_rows(self.model.rows)
-        self.order_changed.emit(self.order)
-
-    def _show_count(self) -> None:
-        decided = sum(row.decision.verdict is not Verdict.NONE for row in self.model.rows)
-        self._count.setText(self.tr("{decided} of {all} decided").format(decided=decided, all=len(self.model.rows)))
+    @property
+    def rows_in_sight(self) -> int:
+        """How many whole rows there is room for."""
+        return self._table.viewport().height() // ROW_HEIGHT
 
     def _on_current(self, current: QModelIndex, _previous: QModelIndex) -> None:
         if not self._quiet and current.isValid():

@@ -1,16 +1,31 @@
 """What the machine says about the selected candidate, and the large buttons for what the operator says."""
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import (
+    QComboBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from processing.survey import Decision, LeakClass, Verdict
-from widgets.candidate_table import CandidateRow
+from widgets.candidate_row import CandidateRow
 from widgets.note_field import NoteField
 from widgets.plot_theme import Theme
 from widgets.quiet_combo import QuietCombo
-from widgets.vocabulary import class_text, half_width_m, number, verdict_icon
+from widgets.vocabulary import class_text, place_text, verdict_icon
 
-BUTTON_HEIGHT = 48
+BUTTON_HEIGHT = 62
+NOTE_HEIGHT = 44
+EVIDENCE_LINES = 2
+BESIDE_TEXT = 22  # pixels of a button that are not its word
+LEAST_CLASS = 110
+_ON_BUTTONS = (Verdict.CONFIRMED, Verdict.REJECTED, Verdict.UNSURE, Verdict.NONE)
 
 
 class DecisionPanel(QWidget):
@@ -32,44 +47,72 @@ class DecisionPanel(QWidget):
         self._evidence.setWordWrap(True)
         self._evidence.setTextFormat(Qt.TextFormat.PlainText)
         self._evidence.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self._evidence.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.MinimumExpanding)
+        self._evidence.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self._buttons = {verdict: self._button(verdict) for verdict in Verdict}
         self._class = self._class_box()
         self._note = NoteField()
         self._note.setObjectName("note")
         self._note.setPlaceholderText(self.tr("Note (Enter)"))
         self._note.setAccessibleName(self.tr("Note"))
-        self._note.setFixedHeight(56)
+        self._note.setFixedHeight(NOTE_HEIGHT)
         self._note.note_changed.connect(self._on_note)
         self._note.left.connect(self.note_left)
         self._lay_out()
         self.set_theme(theme)
+        self._fit_evidence()
         self.show_row(None, writable=False)
 
     def _lay_out(self) -> None:
-        grid = QGridLayout()
-        grid.setSpacing(6)
-        for i, verdict in enumerate((Verdict.CONFIRMED, Verdict.REJECTED, Verdict.UNSURE, Verdict.NONE)):
-            grid.addWidget(self._buttons[verdict], i // 2, i % 2)
-        grid.addWidget(self._class, 2, 0, 1, 2)
+        top = QHBoxLayout()
+        top.setSpacing(6)
+        top.addWidget(self._title, 3)
+        top.addWidget(self._class, 2)
+        self._grid = QGridLayout()
+        self._grid.setSpacing(6)
+        self._columns = 0
+        self._arrange(len(self._buttons))
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(6)
-        layout.addWidget(self._title)
-        layout.addWidget(self._evidence, 1)
-        layout.addLayout(grid)
+        layout.setSpacing(4)
+        layout.addLayout(top)
+        layout.addWidget(self._evidence)
+        layout.addLayout(self._grid)
         layout.addWidget(self._note)
 
-    def _button(self, verdict: Verdict) -> QPushButton:
+    def _arrange(self, columns: int) -> None:
+        if columns != self._columns:
+            self._columns = columns
+            for i, verdict in enumerate(_ON_BUTTONS):
+                self._grid.addWidget(self._buttons[verdict], i // columns, i % columns)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: where the words do not fit side by side, the buttons stand two by two."""
+        super().resizeEvent(event)
+        need = max(button.fontMetrics().horizontalAdvance(button.text()) for button in self._buttons.values())
+        self._arrange(len(_ON_BUTTONS) if self.width() >= len(_ON_BUTTONS) * (need + BESIDE_TEXT) else 2)
+
+    def _fit_evidence(self) -> None:
+        self._evidence.setFixedHeight(EVIDENCE_LINES * self._evidence.fontMetrics().lineSpacing() + 2)
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Qt: two lines of evidence are two lines in any font."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            self._fit_evidence()
+
+    def _button(self, verdict: Verdict) -> QToolButton:
         text = {
             Verdict.CONFIRMED: self.tr("1  Confirm"),
             Verdict.REJECTED: self.tr("2  Reject"),
             Verdict.UNSURE: self.tr("3  Unsure"),
             Verdict.NONE: self.tr("0  Clear"),
         }[verdict]
-        button = QPushButton(text)
+        button = QToolButton()
+        button.setText(text)
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         button.setObjectName(f"verdict_{verdict.value}")
         button.setMinimumHeight(BUTTON_HEIGHT)
+        button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         button.setIconSize(QSize(26, 26))
         button.setCheckable(verdict is not Verdict.NONE)
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its key is the digit; Space belongs to the playback
@@ -79,7 +122,9 @@ class DecisionPanel(QWidget):
     def _class_box(self) -> QComboBox:
         box = QuietCombo()
         box.setObjectName("leak_class")
-        box.setMinimumHeight(44)
+        box.setMinimumHeight(40)
+        box.setMinimumWidth(LEAST_CLASS)
+        box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         box.setAccessibleName(self.tr("Class"))
         box.addItem("", None)
         for leak_class in LeakClass:
@@ -92,8 +137,11 @@ class DecisionPanel(QWidget):
         for verdict, button in self._buttons.items():
             button.setIcon(verdict_icon(theme, verdict, 28))
 
-    def show_row(self, row: CandidateRow | None, *, writable: bool, evidence: str = "") -> None:
-        """Show a candidate, or None; ``evidence`` is its story in plain words. What was typed before is announced."""
+    def show_row(self, row: CandidateRow | None, *, writable: bool, evidence: str = "", story: str = "") -> None:
+        """Show a candidate, or None; ``evidence`` is what fits two lines, ``story`` all of it, for the tool tip.
+
+        What was typed before is announced.
+        """
         if self._row is None or row is None or row.candidate.id != self._row.candidate.id:
             self._note.flush()
         self._row = row
@@ -102,15 +150,16 @@ class DecisionPanel(QWidget):
         self._note.setEnabled(row is not None)
         self._note.setReadOnly(not writable)
         self._evidence.setText(evidence)
+        self._evidence.setToolTip(story)
+        self._evidence.setAccessibleDescription(story)
         if row is None:
             self._title.setText(self.tr("No candidate selected"))
             self._note.set_note("")
             self._show_decision(Decision())
             return
-        at, width = number(row.candidate.chainage_m, 1), number(half_width_m(row.candidate), 1)
-        self._title.setText(f"{row.name} · {at} m ± {width} m")
+        self._title.setText(f"{row.name} · {place_text(row.candidate)}")
         machine = class_text(row.candidate.leak_class)
-        self._class.setItemText(0, self.tr("Class: {machine} (by the machine)").format(machine=machine))
+        self._class.setItemText(0, self.tr("{machine} (machine)").format(machine=machine))
         self._show_decision(row.decision)
 
     def _show_decision(self, decision: Decision) -> None:

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from processing.survey import Verdict
-from widgets.candidate_table import CandidateRow
+from widgets.candidate_row import CandidateRow
 from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import class_text, half_width_m, number, verdict_text
 

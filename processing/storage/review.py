@@ -3,16 +3,15 @@
 The state of the decisions is always what replaying the log from its start gives (:func:`replay`).
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from enum import StrEnum
 from sqlite3 import Connection
 
-from processing.errors import ErrorCode, LeaklineError, Place
 from processing.storage.carrying import partners
 from processing.storage.database import Database, Row
-from processing.storage.plain import from_json, storable, to_json
+from processing.storage.plain import from_json, to_json
+from processing.storage.review_rows import Understood, insert_candidate, inserted, log, now
 from processing.survey import Candidate, Decision, Params, Run
 
 UNDECIDED = Decision()
@@ -103,11 +102,11 @@ class ReviewStore:
             if stored is not None:
                 return stored
         with self._db.transaction() as db:
-            created = run.created_utc or _now()
+            created = run.created_utc or now()
             values = (created, run.settings_hash, to_json(run.versions))
-            run_id = _inserted(db, "INSERT INTO runs (created_utc, settings_hash, versions) VALUES (?, ?, ?)", values)
+            run_id = inserted(db, "INSERT INTO runs (created_utc, settings_hash, versions) VALUES (?, ?, ?)", values)
             known = self.candidates(latest) if latest is not None else ()
-            fresh = [_insert_candidate(db, run_id, candidate) for candidate in self._numbered(candidates, known)]
+            fresh = [insert_candidate(db, run_id, candidate) for candidate in self._numbered(candidates, known)]
             carried = self._carry(db, run_id, fresh, operator, relocate)
         return StoredRun(replace(run, id=run_id, created_utc=created), self.candidates(run_id), carried)
 
@@ -159,6 +158,16 @@ class ReviewStore:
         with self._db.transaction() as db:
             return self._write(db, candidate_id, decision, operator, Reason(reason))
 
+    def decide_many(
+        self, decisions: Mapping[int, Decision], operator: str, reason: str = Reason.DECIDE
+    ) -> tuple[int, ...]:
+        """Store decisions on many candidates, each with its log row: all of them on disc when this returns, or none.
+
+        Returns the log's ids. Raises KeyError for an unknown candidate; then nothing is stored.
+        """
+        with self._db.transaction() as db:
+            return tuple(self._write(db, i, decision, operator, Reason(reason)) for i, decision in decisions.items())
+
     def decision_log(self) -> tuple[LogEntry, ...]:
         """Return the whole log, oldest first."""
         rows = self._db.rows(
@@ -198,7 +207,7 @@ class ReviewStore:
         """Store a place that the operator marked himself, logged, with its decision; return it with its id."""
         with self._db.transaction() as db:
             stored = self._insert_manual(db, _id(run), candidate)
-            _log(db, operator, Reason.ADD, stored.id, UNDECIDED, UNDECIDED)
+            log(db, operator, Reason.ADD, stored.id, UNDECIDED, UNDECIDED)
             if decision != UNDECIDED:
                 self._write(db, stored.id, decision, operator, Reason.DECIDE)
         return stored
@@ -211,12 +220,44 @@ class ReviewStore:
         """Undo :meth:`withdraw_manual_candidate`; return the log's id."""
         return self._set_withdrawn(candidate_id, operator, withdrawn=False)
 
+    def move_manual_candidate(self, candidate_id: int, moved: Candidate, operator: str) -> Candidate:
+        """Put the operator's own mark to another place, with its number and decision; return it with its new id.
+
+        The mark before is withdrawn, never changed. Raises KeyError if ``candidate_id`` is no mark that is there.
+        """
+        with self._db.transaction() as db:
+            sql = (
+                "SELECT c.run_id, c.value FROM candidates c JOIN manual_candidates m ON m.candidate_id = c.id "
+                "WHERE c.id = ? AND NOT m.withdrawn"
+            )
+            row = self._db.one(sql, (candidate_id,))
+            if row is None:
+                raise KeyError(candidate_id)
+            before, decision = self._candidate((candidate_id, row[1])), self.decision(candidate_id)
+            stored = self._insert_manual(db, row[0], replace(moved, number=before.label))
+            log(db, operator, Reason.ADD, stored.id, UNDECIDED, UNDECIDED)
+            if decision != UNDECIDED:
+                self._write(db, stored.id, decision, operator, Reason.CARRY)
+            # a verdict without a candidate that was kept as this mark stays kept
+            sql = (
+                "INSERT INTO carried (from_id, to_id, by_hand) SELECT from_id, ?, by_hand FROM carried WHERE to_id = ?"
+            )
+            db.execute(sql, (stored.id, candidate_id))
+            self._withdraw(db, candidate_id, operator, withdrawn=True)
+        return stored
+
+    def swap_manual_candidates(self, present_id: int, withdrawn_id: int, operator: str) -> None:
+        """Undo :meth:`move_manual_candidate`: withdraw one place of a mark and put the other there again, in one."""
+        with self._db.transaction() as db:
+            self._withdraw(db, present_id, operator, withdrawn=True)
+            self._withdraw(db, withdrawn_id, operator, withdrawn=False)
+
     # --- inner workings
 
     def _write(self, db: Connection, candidate_id: int, decision: Decision, operator: str, reason: Reason) -> int:
         if db.execute("SELECT 1 FROM candidates WHERE id = ?", (candidate_id,)).fetchone() is None:
             raise KeyError(candidate_id)
-        log_id = _log(db, operator, reason, candidate_id, self.decision(candidate_id), decision)
+        log_id = log(db, operator, reason, candidate_id, self.decision(candidate_id), decision)
         if decision == UNDECIDED:
             db.execute("DELETE FROM decisions WHERE candidate_id = ?", (candidate_id,))
         else:
@@ -226,12 +267,15 @@ class ReviewStore:
 
     def _set_withdrawn(self, candidate_id: int, operator: str, *, withdrawn: bool) -> int:
         with self._db.transaction() as db:
-            sql = "UPDATE manual_candidates SET withdrawn = ? WHERE candidate_id = ?"
-            if db.execute(sql, (int(withdrawn), candidate_id)).rowcount != 1:
-                raise KeyError(candidate_id)
-            decision = self.decision(candidate_id)
-            reason = Reason.WITHDRAW if withdrawn else Reason.REINSTATE
-            return _log(db, operator, reason, candidate_id, decision, decision)
+            return self._withdraw(db, candidate_id, operator, withdrawn=withdrawn)
+
+    def _withdraw(self, db: Connection, candidate_id: int, operator: str, *, withdrawn: bool) -> int:
+        sql = "UPDATE manual_candidates SET withdrawn = ? WHERE candidate_id = ?"
+        if db.execute(sql, (int(withdrawn), candidate_id)).rowcount != 1:
+            raise KeyError(candidate_id)
+        decision = self.decision(candidate_id)
+        reason = Reason.WITHDRAW if withdrawn else Reason.REINSTATE
+        return log(db, operator, reason, candidate_id, decision, decision)
 
     def _carry(
         self,
@@ -289,7 +333,7 @@ class ReviewStore:
         candidate = candidate if candidate.number else replace(candidate, number=self._next_number())
         if self._highest_number is not None:
             self._highest_number = max(self._highest_number, candidate.number)
-        stored = _insert_candidate(db, run_id, candidate)
+        stored = insert_candidate(db, run_id, candidate)
         db.execute("INSERT INTO manual_candidates (candidate_id) VALUES (?)", (stored.id,))
         return stored
 
@@ -331,52 +375,17 @@ class ReviewStore:
         with self._understood():
             return from_json(Decision, text)
 
-    def _understood(self) -> "_Understood":
-        return _Understood(self._db)
+    def _understood(self) -> Understood:
+        return Understood(self._db)
 
 
-class _Understood:
-    """Turns a ValueError about stored text into SURVEY_DAMAGED; a class, as it runs once a row."""
-
-    def __init__(self, database: Database) -> None:
-        self._database = database
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _trace: object) -> None:
-        if isinstance(error, ValueError):
-            raise LeaklineError(ErrorCode.SURVEY_DAMAGED, Place(self._database.path), reason=str(error)) from error
-
-
-def replay(log: Iterable[LogEntry]) -> dict[int, Decision]:
-    """Return candidate id → decision as the log tells it: what the table of decisions must hold."""
+def replay(entries: Iterable[LogEntry]) -> dict[int, Decision]:
+    """Return candidate id → decision as the log's entries tell it: what the table of decisions must hold."""
     state: dict[int, Decision] = {}
-    for entry in log:
+    for entry in entries:
         state[entry.candidate_id] = entry.after
     return {candidate_id: decision for candidate_id, decision in state.items() if decision != UNDECIDED}
 
 
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
-
-
 def _id(run: Run | int) -> int:
     return run if isinstance(run, int) else run.id
-
-
-def _inserted(db: Connection, sql: str, values: tuple[object, ...]) -> int:
-    row_id = db.execute(sql, values).lastrowid
-    assert row_id is not None  # it is set by every INSERT
-    return row_id
-
-
-def _insert_candidate(db: Connection, run_id: int, candidate: Candidate) -> Candidate:
-    sql = "INSERT INTO candidates (run_id, time_s, chainage_m, value) VALUES (?, ?, ?, ?)"
-    values = (run_id, candidate.time_s, candidate.chainage_m, to_json(candidate))
-    return replace(candidate, id=_inserted(db, sql, values))
-
-
-def _log(db: Connection, operator: str, reason: Reason, candidate_id: int, before: Decision, after: Decision) -> int:
-    sql = "INSERT INTO decision_log (at_utc, operator, reason, candidate_id, before, after) VALUES (?, ?, ?, ?, ?, ?)"
-    return _inserted(db, sql, (_now(), storable(operator), reason.value, candidate_id, to_json(before), to_json(after)))

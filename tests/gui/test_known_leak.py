@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from processing.survey import CalibrationLeak, LeakClass
-from widgets.candidate_table import CandidateModel, CandidateRow
+from widgets.candidate_row import CandidateRow
+from widgets.candidate_table import CandidateModel
 from widgets.known_leak_dialog import KnownFlow, KnownLeakDialog
 from widgets.plot_theme import THEMES
 

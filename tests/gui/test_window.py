@@ -63,11 +63,11 @@ def test_without_a_survey_only_opening_is_offered(application):
 def test_the_review_by_mouse_alone(application, opened):
     window = application.window
     first, second, *_ = opened.ordered_ids()
-    QTest.mouseClick(window.findChild(QPushButton, "verdict_confirmed"), LEFT)
-    QTest.mouseClick(window.findChild(QPushButton, "verdict_rejected"), LEFT)
+    QTest.mouseClick(window.findChild(QToolButton, "verdict_confirmed"), LEFT)
+    QTest.mouseClick(window.findChild(QToolButton, "verdict_rejected"), LEFT)
     window.review_page.path.candidate_clicked.emit(first)
     assert opened.selected == first
-    QTest.mouseClick(window.findChild(QPushButton, "verdict_none"), LEFT)
+    QTest.mouseClick(window.findChild(QToolButton, "verdict_none"), LEFT)
     QTest.mouseClick(window.findChild(QToolButton, "tool_undo"), LEFT)
     with SurveyFolder.open(opened.folder.path, read_only=True) as other:
         stored = other.review.decisions(other.review.latest_run())

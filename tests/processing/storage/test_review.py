@@ -171,7 +171,7 @@ def test_marks_come_along_to_a_new_run_to_where_the_new_track_puts_them(folder, 
 
 def test_a_clock_that_goes_backwards_changes_no_order(folder, stored, candidate, monkeypatch):
     stamps = iter(["2026-05-04T12:00:00", "2026-05-04T11:00:00", "2020-01-01T00:00:00", "2019-01-01T00:00:00"])
-    monkeypatch.setattr("processing.storage.review._now", lambda: next(stamps))
+    monkeypatch.setattr("processing.storage.review_rows.now", lambda: next(stamps))
     first = stored.candidates[0].id
     for decision in (YES, NO, YES):
         folder.review.decide(first, decision, "A")
