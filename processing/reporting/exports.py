@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 from processing.errors import ErrorCode, LeaklineError, Place
 from processing.progress import Progress, silent
-from processing.reporting.content import make_content
+from processing.reporting.content import ReportContent, make_content
 from processing.reporting.gis import write_geojson
-from processing.reporting.options import ReportOptions
+from processing.reporting.handover.outcome import Written
+from processing.reporting.handover.system import target_system
+from processing.reporting.options import HandoverOptions, ReportOptions
 from processing.reporting.summary import write_summary
 from processing.reporting.tables import write_leaks, write_track
 from processing.review_facts import ReviewRecord
@@ -28,13 +30,15 @@ def write_exports(
     language: str | None = None,
     record: ReviewRecord | None = None,
     options: ReportOptions | None = None,
-) -> tuple[Path, ...]:
+    handover: HandoverOptions | None = None,
+) -> Written:
     """Write ``leaks.csv``, ``track.csv``, ``leaks.geojson``, ``summary.json`` and ``report.pdf``; return their paths.
 
-    ``language`` is the report's, where it is not that of ``options``.
+    With ``handover`` its files follow, a README.txt and the zip of all; what was left out, cut or failed of them is
+    told as findings, and costs no other file. ``language`` is the report's, where it is not that of ``options``.
 
     Raises:
-        LeaklineError: CANNOT_WRITE or DISC_FULL; a file that was there before is then still whole.
+        LeaklineError: CANNOT_WRITE or DISC_FULL; a file that was there before is then still whole. CRS_UNKNOWN.
     """
     from processing.reporting.pdf import write_pdf  # typst is large: loaded when a report is asked for
 
@@ -43,6 +47,8 @@ def write_exports(
     if language is not None:
         options = replace(options, language=language)
     content = make_content(results, decisions, record, options)
+    if handover is not None:
+        target_system(content.frame, handover)  # a wrong code is told before an hour's work, not after it
     names = ("leaks.csv", "track.csv", "leaks.geojson", "summary.json", "report.pdf")
     leaks, track, geojson, summary, report = (out_dir / name for name in names)
     try:
@@ -53,7 +59,10 @@ def write_exports(
         progress.update(0.3, "exporting")
         write_geojson(geojson, content)
         write_summary(summary, content)
-        write_pdf(report, content, progress.part(0.4, 1.0))
+        write_pdf(report, content, progress.part(0.4, 0.8 if handover is not None else 1.0))
+        done = Written((leaks, track, geojson, summary, report))
+        if handover is not None:
+            done += _handed_over(content, handover, out_dir, done.files, progress.part(0.8, 1.0))
     except OSError as error:
         code = ErrorCode.DISC_FULL if error.errno == errno.ENOSPC else ErrorCode.CANNOT_WRITE
         # the full disc may be that of the temporary folder, where the report is set
@@ -62,4 +71,12 @@ def write_exports(
             where = Path(error.filename).parent
         raise LeaklineError(code, Place(where), reason=error.strerror or str(error)) from error
     progress.update(1.0, "exporting")
-    return leaks, track, geojson, summary, report
+    return done
+
+
+def _handed_over(
+    content: ReportContent, options: HandoverOptions, out_dir: Path, contract: tuple[Path, ...], progress: Progress
+) -> Written:
+    from processing.reporting.handover.writing import write_handover  # drawings and map files: loaded when wanted
+
+    return write_handover(content, options, out_dir, contract, progress)

@@ -28,3 +28,17 @@ def whole_file(path: Path) -> Iterator[TextIO]:
 def aside_of(path: Path) -> Path:
     """Return where a file is written before it takes its place."""
     return path.with_name(f".{path.name[:200]}.{os.getpid()}.part")
+
+
+@contextmanager
+def whole_path(path: Path) -> Iterator[Path]:
+    """Yield where a library may write a file by its name; it appears at ``path`` only when all of it is on disk."""
+    aside = aside_of(path)
+    aside.unlink(missing_ok=True)
+    try:
+        yield aside
+        with aside.open("rb+") as file:
+            os.fsync(file.fileno())
+        aside.replace(path)
+    finally:
+        aside.unlink(missing_ok=True)

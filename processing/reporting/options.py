@@ -51,7 +51,7 @@ class FileKind(StrEnum):
 
 @dataclass(frozen=True)
 class HandoverOptions:
-    """Which files, in which system and under which names; empty ``crs`` is the survey's own, else WGS 84."""
+    """Which files, in which system and under which names; empty ``crs`` is the survey's own, else its UTM zone."""
 
     files: frozenset[FileKind] = frozenset(FileKind)
     crs: str = ""
