@@ -18,7 +18,7 @@ from widgets.candidate_row import CandidateRow
 from widgets.note_field import NoteField
 from widgets.plot_theme import Theme
 from widgets.quiet_combo import QuietCombo
-from widgets.vocabulary import class_text, place_text, verdict_icon
+from widgets.vocabulary import class_text, half_width_m, number, verdict_icon
 
 BUTTON_HEIGHT = 62
 NOTE_HEIGHT = 44
@@ -157,7 +157,8 @@ class DecisionPanel(QWidget):
             self._note.set_note("")
             self._show_decision(Decision())
             return
-        self._title.setText(f"{row.name} · {place_text(row.candidate)}")
+        at, width = number(row.candidate.chainage_m, 1), number(half_width_m(row.candidate), 1)
+        self._title.setText(f"{row.name} · {at} m ± {width} m")
         machine = class_text(row.candidate.leak_class)
         self._class.setItemText(0, self.tr("{machine} (machine)").format(machine=machine))
         self._show_decision(row.decision)
