@@ -83,6 +83,11 @@ class ErrorCode(StrEnum):
     PHOTO_TOO_MANY_PIXELS = "photo_too_many_pixels"
     OPINIONS_OTHER_SURVEY = "opinions_other_survey"
     OPINIONS_NONE = "opinions_none"
+    PLACE_UNREADABLE = "place_unreadable"
+    REPEAT_NOT_PROCESSED = "repeat_not_processed"
+    REPEAT_SAME_SURVEY = "repeat_same_survey"
+    REPEAT_NO_PATH = "repeat_no_path"
+    REPEAT_NOTHING_COMMON = "repeat_nothing_common"
 
 
 @dataclass(frozen=True)
