@@ -169,6 +169,8 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("slow", N("Actions", "Slower"), "S", Page.PLAY, "player.next_slow",
          N("Actions", "Half and quarter speed at the same pitch, then full speed again"), Needs.RESULTS),
     # view
+    _row("page_start", N("Actions", "Start page"), "Ctrl+0", Page.VIEW, "work.start.show",
+         N("Actions", "Recent surveys, recording, demonstration; what is open stays open")),
     _row("page_data", N("Actions", "Data page"), "Ctrl+1", Page.VIEW, "show_data",
          N("Actions", "Files, findings, form and tie points")),
     _row("page_path", N("Actions", "Path page"), "Ctrl+2", Page.VIEW, "show_path",
@@ -237,6 +239,8 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("full", N("Actions", "Full screen"), "F11", Page.VIEW, "toggle_full_screen",
          N("Actions", "Use the whole screen, or go back")),
     # help
+    _row("missing", N("Actions", "What is missing"), "Ctrl+G", Page.HELP, "work.guide.show_all",
+         N("Actions", "Say what each step still lacks, and lead there")),
     _row("help", N("Actions", "Help"), "F1", Page.HELP, "help.show_guide",
          N("Actions", "How to go from folder to report")),
     _row("keys", N("Actions", "Keys"), "F2", Page.HELP, "help.show_keys", N("Actions", "All keys on one sheet")),

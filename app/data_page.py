@@ -28,6 +28,7 @@ class DataPage(QWidget):
     """Shows a preview before processing, and the same of an open survey after it."""
 
     process_asked = Signal()
+    state_changed = Signal()  # what can be processed, or why not
     survey_edited = Signal(object, str)  # Survey, what was edited: "form", "tie_points" or "route"
 
     def __init__(self, language: str, methods: dict[str, tuple[MethodRow, ...]], parent: QWidget | None = None) -> None:
@@ -128,6 +129,11 @@ class DataPage(QWidget):
         self._process.setText(text)
         self._process.setEnabled(enabled)
         self._state.setText(state)
+        self.state_changed.emit()
+
+    def show_form(self) -> None:
+        """Bring the form to the front."""
+        self._tabs.setCurrentIndex(0)
 
     def show_tie_points(self) -> None:
         """Bring the tie points to the front."""

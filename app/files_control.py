@@ -73,6 +73,11 @@ class FilesControl(QObject):
         """Whether a device's folder is being looked at that has not been processed."""
         return self._preview is not None
 
+    @property
+    def ready(self) -> bool:
+        """Whether all that was found in the device's folder can be read."""
+        return self._preview is not None and opening.is_ready(self._preview)
+
     # --- opening ---
 
     def ask_open(self) -> None:

@@ -101,7 +101,7 @@ class MainWindow(QMainWindow):
         self._build_menus()
         self._lay_out()
         self._connect()
-        window_links.connect(self, self._preferences)
+        window_links.connect(self)
         self._memory = WindowMemory(self, self.review_page, self._preferences)
         self._memory.restore()
         actions.arm_keys(self.actions_by_id, typing=False)
@@ -117,6 +117,15 @@ class MainWindow(QMainWindow):
         self._plain_pages: dict[str, QWidget] = {
             "start": self.start_page, "data": self.data_page, "report": self.report_panel
         }  # fmt: skip
+        self.step_bar = StepBar(
+            (
+                ("data", self.tr("Data")),
+                ("path", self.tr("Path")),
+                ("sound", self.tr("Sound")),
+                ("leaks", self.tr("Leaks")),
+                ("report", self.tr("Report")),
+            )
+        )
         self._stack = QStackedWidget()
         for page in (*self._plain_pages.values(), self.review_page):
             self._stack.addWidget(page)
@@ -129,15 +138,6 @@ class MainWindow(QMainWindow):
             menu.addActions([self.actions_by_id[row.id] for row in ACTIONS if row.page is page])
 
     def _lay_out(self) -> None:
-        self.step_bar = StepBar(
-            (
-                ("data", self.tr("Data")),
-                ("path", self.tr("Path")),
-                ("sound", self.tr("Sound")),
-                ("leaks", self.tr("Leaks")),
-                ("report", self.tr("Report")),
-            )
-        )
         self.step_bar.add_tools([self.actions_by_id[name] for name in TOOLS])
         self.step_bar.page_chosen.connect(self.show_page)
         self._strip = JobStrip(self._language)
@@ -238,7 +238,6 @@ class MainWindow(QMainWindow):
 
     def _on_opened(self) -> None:
         if self._session.folder is None and not self.files.previewing:
-            self.start_page.set_recent(self._preferences.values.recent)
             self.show_page("start")
         self._show_title()
         self._show_enabled()

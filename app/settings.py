@@ -15,7 +15,7 @@ import platformdirs
 
 log = logging.getLogger(__name__)
 
-MAX_RECENT = 12
+MAX_RECENT = 40  # the start page searches among them
 
 
 @dataclass
@@ -43,6 +43,7 @@ class Preferences:
     reviewer: str = ""  # the second reviewer's name, as typed last
     layout: dict[str, str] = field(default_factory=dict)  # tabs, filters and modes of the review pages
     tour_seen: bool = False
+    pinned: list[str] = field(default_factory=list)  # surveys kept on top of the start page, newest first
     operator: str = ""  # of new surveys, as typed in the settings
 
 
@@ -88,6 +89,7 @@ class PreferencesStore:
             return defaults
         kept = {k: v for k, v in found.items() if k in known and isinstance(v, type(known[k]))}
         kept["recent"] = [r for r in kept.get("recent", []) if isinstance(r, str)][:MAX_RECENT]
+        kept["pinned"] = [r for r in kept.get("pinned", []) if isinstance(r, str)][:MAX_RECENT]
         kept["recent_crs"] = [c for c in kept.get("recent_crs", []) if isinstance(c, str)][:MAX_RECENT]
         for name in ("splitters", "sound_view", "recording", "company", "handover", "layout"):
             kept[name] = {k: v for k, v in kept.get(name, {}).items() if isinstance(v, str)}

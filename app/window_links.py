@@ -3,23 +3,24 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.settings import PreferencesStore
-
 if TYPE_CHECKING:
     from app.main_window import MainWindow
 
 
-def connect(window: "MainWindow", preferences: PreferencesStore) -> None:
+def connect(window: "MainWindow") -> None:
     """Connect the window's parts with each other; what they ask of the window itself, it connects itself."""
     files, start, recording, tell = window.files, window.start_page, window.recording, window.notices.tell
     recording.told.connect(tell)
     recording.page_asked.connect(window.show_page)
     recording.process_asked.connect(files.open_path)
-    recording.recorded.connect(lambda: start.set_recent(preferences.values.recent))
+    recording.recorded.connect(window.work.start.refresh)
     recording.close_asked.connect(window.close)
     start.record_asked.connect(recording.show)
     start.open_asked.connect(files.ask_open)
     start.demo_asked.connect(files.open_demo)
+    start.correlator_asked.connect(window.correlator.show)
+    start.settings_asked.connect(window.work.settings.show)
+    start.manual_asked.connect(window.help.show_guide)
     start.recent_chosen.connect(lambda text: files.open_path(Path(text)))
     files.page_asked.connect(window.show_page)
     files.told.connect(tell)

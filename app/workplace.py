@@ -9,9 +9,12 @@ from PySide6.QtCore import QObject, Signal
 
 from app.list_control import ListControl
 from app.mark_control import MarkControl
+from app.appearance import theme_named
+from app.guide_control import GuideControl
 from app.page_host import PageHost
 from app.services import Services
 from app.settings_control import SettingsControl
+from app.start_control import StartControl
 from app.views_control import ViewsControl
 from widgets.plot_theme import Theme
 
@@ -43,6 +46,9 @@ class Workplace(QObject):
         self.settings.language_asked.connect(window.language_asked)
         self.settings.theme_asked.connect(window.use_theme)
         self.settings.restart_asked.connect(window.restart_asked)
+        theme = theme_named(services.preferences.values.theme)
+        self.guide = GuideControl(window, services.session, language, theme)
+        self.start = StartControl(window, services.session, services.jobs, services.preferences)
 
     def open_page(self, page: str) -> bool:
         """Show a page that is built when it is asked for; returns whether it is one of these."""
@@ -53,8 +59,11 @@ class Workplace(QObject):
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""
+        self.guide.apply_theme(theme)
 
     def stop(self) -> None:
         """Leave no work behind: the window closes."""
+        self.guide.stop()
+        self.start.stop()
         self.list.stop()
         self._window.review_page.toast.stop()

@@ -1,21 +1,11 @@
-"""What the window shows while nothing is open: record, open a folder, a recent survey, or the demonstration."""
+"""What the window shows while nothing is open: record, open a folder, a recent survey, the demonstration, and help."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import (
-    QFrame,
-    QHBoxLayout,
-    QLabel,
-    QListWidget,
-    QListWidgetItem,
-    QPushButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-PATH = Qt.ItemDataRole.UserRole
+from widgets.recent_surveys import RecentRow, RecentSurveys
 
 
 class StartPage(QWidget):
@@ -24,6 +14,10 @@ class StartPage(QWidget):
     open_asked = Signal()
     record_asked = Signal()
     demo_asked = Signal()
+    correlator_asked = Signal()
+    settings_asked = Signal()
+    manual_asked = Signal()
+    tour_asked = Signal()
     recent_chosen = Signal(str)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -33,54 +27,52 @@ class StartPage(QWidget):
         claim = QLabel(self.tr("From the folder off the device to a leak on the map, the same day."))
         claim.setWordWrap(True)
         self._record = self._button("start_record", self.tr("●  Record"), self.record_asked)
-        self._record.setMinimumHeight(76)
+        self._record.setMinimumHeight(70)
         self._open = self._button("start_open", self.tr("Open the device's folder…"), self.open_asked)
         self._demo = self._button("start_demo", self.tr("Look at the demonstration"), self.demo_asked)
+        others = QGridLayout()
+        others.setSpacing(6)
+        small = (
+            ("start_correlator", self.tr("Correlator"), self.correlator_asked),
+            ("start_settings", self.tr("Settings"), self.settings_asked),
+            ("start_manual", self.tr("Manual"), self.manual_asked),
+            ("start_tour", self.tr("Five hints"), self.tour_asked),
+        )
+        for number, (name, text, signal) in enumerate(small):
+            others.addWidget(self._button(name, text, signal, height=48), number // 2, number % 2)
         drop = QLabel(self.tr("or drop a folder anywhere on this window"))
         drop.setAlignment(Qt.AlignmentFlag.AlignCenter)
         drop.setFrameShape(QFrame.Shape.StyledPanel)
-        drop.setMinimumHeight(72)
+        drop.setMinimumHeight(60)
+        drop.setWordWrap(True)
         left = QVBoxLayout()
-        for widget in (title, claim, self._record, self._open, self._demo, drop):
+        for widget in (title, claim, self._record, self._open, self._demo):
             left.addWidget(widget)
+        left.addLayout(others)
+        left.addWidget(drop)
         left.addStretch(1)
-        self._recent = QListWidget()
-        self._recent.setObjectName("recent")
-        self._recent.setAccessibleName(self.tr("Recent surveys"))
-        self._recent.setTextElideMode(Qt.TextElideMode.ElideMiddle)
-        self._recent.itemActivated.connect(self._on_recent)
-        self._recent.itemClicked.connect(self._on_recent)
+        self.recent = RecentSurveys()
+        self.recent.setObjectName("recent")
+        self.recent.setAccessibleName(self.tr("Recent surveys"))
+        self.recent.chosen.connect(self.recent_chosen)
+        heading = QLabel(self.tr("Recent surveys"))
+        heading.setStyleSheet("font-weight: bold")
         right = QVBoxLayout()
-        right.addWidget(QLabel(self.tr("Recent surveys")))
-        right.addWidget(self._recent, 1)
+        right.addWidget(heading)
+        right.addWidget(self.recent, 1)
         layout = QHBoxLayout(self)
-        layout.setContentsMargins(40, 30, 40, 30)
-        layout.setSpacing(40)
-        layout.addLayout(left, 1)
-        layout.addLayout(right, 1)
+        layout.setContentsMargins(28, 20, 28, 20)
+        layout.setSpacing(28)
+        layout.addLayout(left, 2)
+        layout.addLayout(right, 3)
 
-    def _button(self, name: str, text: str, signal: object) -> QPushButton:
+    def _button(self, name: str, text: str, signal: object, *, height: int = 56) -> QPushButton:
         button = QPushButton(text)
         button.setObjectName(name)
-        button.setMinimumHeight(60)
+        button.setMinimumHeight(height)
         button.clicked.connect(signal)
         return button
 
-    def set_recent(self, paths: Sequence[str]) -> None:
-        """Show the recent surveys, newest first."""
-        self._recent.clear()
-        self._recent.setEnabled(bool(paths))
-        if not paths:
-            self._recent.addItem(self.tr("Nothing has been opened yet."))
-        for text in paths:
-            path = Path(text)
-            item = QListWidgetItem(f"{path.stem}\n{path.parent}")
-            item.setData(PATH, text)
-            item.setSizeHint(QSize(0, 56))
-            item.setToolTip(text)
-            self._recent.addItem(item)
-
-    def _on_recent(self, item: QListWidgetItem) -> None:
-        path = item.data(PATH)
-        if path is not None:
-            self.recent_chosen.emit(path)
+    def set_recent(self, rows: Sequence[RecentRow]) -> None:
+        """Show the recent surveys, as they come."""
+        self.recent.set_rows(rows)

@@ -1,44 +1,65 @@
-"""The bar at the left: the steps from data to report as large buttons, and below them a few tools."""
+"""The bar at the left: the steps from data to report as large buttons with their lights, and below them a few tools."""
 
 from collections.abc import Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QButtonGroup, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from processing.readiness import Light, Step
+from widgets.lights import light_icon
+from widgets.plot_theme import LIGHT, Theme
 
 WIDTH = 104
+PAGE_HEIGHT, TIES_HEIGHT, TOOL_HEIGHT = 52, 44, 42
+LIGHT_WIDTH, LIGHT_PIXELS = 40, 26
+TIES = "ties"  # a step that has no page of its own
 
 
 class StepBar(QWidget):
-    """One button a page, the current one checked."""
+    """One button a page, the current one checked, each with a light that says whether something is missing."""
 
     page_chosen = Signal(str)
+    ties_chosen = Signal()
+    light_pressed = Signal(str)  # a step
 
     def __init__(self, pages: Sequence[tuple[str, str]], parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setMinimumWidth(WIDTH)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)  # as wide as its words
+        self._theme: Theme = LIGHT
         self._layout = QVBoxLayout(self)
         self._layout.setContentsMargins(4, 6, 4, 4)
         self._layout.setSpacing(4)
         self._group = QButtonGroup(self)
         self._buttons: dict[str, QToolButton] = {}
+        self._lights: dict[str, QToolButton] = {}
+        self._shown: dict[str, Light] = {}
         for number, (key, text) in enumerate(pages, start=1):
-            button = self._button(f"{number} {text}", 52)
+            button = self._button(f"{number} {text}", PAGE_HEIGHT)
             button.setObjectName(f"page_{key}")
             button.setCheckable(True)
             button.clicked.connect(lambda _checked=False, k=key: self.page_chosen.emit(k))
             self._group.addButton(button)
             self._buttons[key] = button
+            self._add_row(button, key, text, PAGE_HEIGHT)
+            if key == Step.DATA:
+                ties = self._button(self.tr("Tie points"), TIES_HEIGHT)
+                ties.setObjectName("step_ties")
+                ties.setEnabled(False)
+                ties.clicked.connect(lambda _checked=False: self.ties_chosen.emit())
+                self._buttons[TIES] = ties
+                self._add_row(ties, TIES, ties.text(), TIES_HEIGHT)
         self._layout.addStretch(1)
 
     def add_tools(self, tools: Sequence[QAction]) -> None:
         """Add buttons for actions below the pages."""
         for action in tools:
-            button = self._button("", 42)
+            button = self._button("", TOOL_HEIGHT)
             button.setDefaultAction(action)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
             button.setObjectName(f"tool_{action.objectName()}")
+            self._layout.addWidget(button)
 
     def _button(self, text: str, height: int) -> QToolButton:
         button = QToolButton()
@@ -47,13 +68,58 @@ class StepBar(QWidget):
         button.setIconSize(QSize(24, 24))
         button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._layout.addWidget(button)
         return button
+
+    def _add_row(self, button: QToolButton, step: str, title: str, height: int) -> None:
+        light = QToolButton()
+        light.setObjectName(f"light_{step}")
+        light.setProperty("step_title", title)
+        light.setFixedWidth(LIGHT_WIDTH)
+        light.setMinimumHeight(height)
+        light.setIconSize(QSize(LIGHT_PIXELS, LIGHT_PIXELS))
+        light.setStyleSheet("padding: 0px")
+        light.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        light.clicked.connect(lambda _checked=False: self.light_pressed.emit(step))
+        self._lights[step] = light
+        self.set_light(step, Light.GREY, "", "")
+        row = QHBoxLayout()
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(2)
+        row.addWidget(button, 1)
+        row.addWidget(light)
+        self._layout.addLayout(row)
+
+    def set_light(self, step: str, light: Light, word: str, sentence: str) -> None:
+        """Show a step's light; ``word`` names it to who cannot see it, ``sentence`` says why and what to do."""
+        button = self._lights[step]
+        if self._shown.get(step) is not light:
+            self._shown[step] = light
+            button.setIcon(light_icon(light, self._theme, LIGHT_PIXELS))
+        button.setToolTip(sentence)
+        button.setAccessibleName(f"{button.property('step_title')}: {word}")
+        button.setAccessibleDescription(sentence)
+        self._buttons[step].setAccessibleDescription(sentence)
+
+    def light(self, step: str) -> Light:
+        """Return which light a step shows."""
+        return self._shown[step]
+
+    def light_button(self, step: str) -> QToolButton:
+        """Return a step's light: something can stand beside it."""
+        return self._lights[step]
+
+    def apply_theme(self, theme: Theme) -> None:
+        """Draw the lights in these colours."""
+        self._theme = theme
+        for step, light in self._shown.items():
+            self._lights[step].setIcon(light_icon(light, theme, LIGHT_PIXELS))
 
     def set_current(self, key: str) -> None:
         """Check the page's button without a signal."""
         self._buttons[key].setChecked(True)
 
     def set_enabled(self, key: str, *, enabled: bool) -> None:
-        """Switch a page on or off."""
+        """Switch a page on or off; the tie points go with the data."""
         self._buttons[key].setEnabled(enabled)
+        if key == Step.DATA:
+            self._buttons[TIES].setEnabled(enabled)
