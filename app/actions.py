@@ -135,6 +135,9 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Reject all undecided candidates of the list below a score, in one step"), Needs.RESULTS),
     _row("why", N("Actions", "Why a leak"), "W", Page.REVIEW, "evidence.toggle",
          N("Actions", "Show what speaks for and against a leak here, or the list again"), Needs.CANDIDATE),
+    _row("gallery", N("Actions", "Gallery"), "O", Page.REVIEW, "work.gallery.show",
+         N("Actions", "Show all candidates as pictures in metres, or go back; arrows choose, Enter opens, Z and X change "
+           "the size"), Needs.RESULTS, short=N("Actions", "Gallery")),
     _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
          N("Actions", "Bring the cursor and all views to the selected candidate"), Needs.CANDIDATE),
     _row("mark", N("Actions", "Mark a leak here"), "M F6", Page.REVIEW, "shared.mark",

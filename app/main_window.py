@@ -265,8 +265,9 @@ class MainWindow(QMainWindow):
 
     def _show_enabled(self) -> None:
         session = self._session
-        reviewing = session.results is not None and self.page in REVIEW_PAGES
+        reviewing = session.results is not None and (self.page in REVIEW_PAGES or self.work.gallery.in_front)
         enabling.show_enabled(self.actions_by_id, session, self.recording, reviewing=reviewing)
+        self.work.show_enabled(self.actions_by_id)
         self.actions_by_id["route"].setEnabled(self.route.ready)
         self.actions_by_id["route_remove"].setEnabled(self.route.ready and self.data_page.survey.route is not None)
         for page in (*REVIEW_PAGES, "report"):

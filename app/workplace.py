@@ -3,10 +3,14 @@
 Each part is an attribute, so that the action table can name its handlers (``work.gallery.show``).
 """
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
+from PySide6.QtGui import QAction
 
+from app.appearance import theme_named
+from app.gallery_control import GalleryControl
 from app.list_control import ListControl
 from app.mark_control import MarkControl
 from app.appearance import theme_named
@@ -50,6 +54,12 @@ class Workplace(QObject):
         self.guide = GuideControl(window, services.session, language, theme)
         self.start = StartControl(window, services.session, services.jobs, services.preferences)
 
+        self.gallery = GalleryControl(window, services, host, theme_named(services.preferences.values.theme))
+
+    def show_enabled(self, actions_by_id: Mapping[str, QAction]) -> None:
+        """Switch off what makes no sense on the page in front."""
+        self.gallery.show_enabled(actions_by_id)
+
     def open_page(self, page: str) -> bool:
         """Show a page that is built when it is asked for; returns whether it is one of these."""
         opener = self._host.openers.get(page)
@@ -59,10 +69,12 @@ class Workplace(QObject):
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""
+        self.gallery.apply_theme(theme)
         self.guide.apply_theme(theme)
 
     def stop(self) -> None:
         """Leave no work behind: the window closes."""
+        self.gallery.stop()
         self.guide.stop()
         self.start.stop()
         self.list.stop()

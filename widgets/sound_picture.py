@@ -154,6 +154,11 @@ class SoundPicture(LinkedPlot):
         return self._bar.low_db, self._bar.high_db
 
     @property
+    def colours(self) -> tuple[int, ...]:
+        """The colours (0xffrrggbb) of the 256 numbers of a picture."""
+        return tuple(self._bar.table(self._level_of(0), self._level_of(255)))
+
+    @property
     def color_map(self) -> str:
         """The colour table of levels."""
         return self._level_bar.color_map
