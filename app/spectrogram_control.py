@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from app.review_page import ReviewPage
 
 Kind = TypeVar("Kind")
+RANGE_STEP_DB = 3.0  # by which a key moves an end of the colours' range
+RANGES = (("levels_db", Plane.SHORT), ("excess_db", Plane.EXCESS))
 
 
 class SpectrogramControl(QObject):
@@ -40,6 +42,7 @@ class SpectrogramControl(QObject):
         tools.band_chosen.connect(page.band_changed)
         tools.band_reset_asked.connect(self.reset_band)
         view.looks_changed.connect(self._remember)
+        view.fixed_range_chosen.connect(self._remember_range)
         view.band_shown.connect(tools.show_band)
         view.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         view.customContextMenuRequested.connect(self._open_menu)
@@ -66,6 +69,30 @@ class SpectrogramControl(QObject):
     def contrast(self) -> None:
         """Let the colours fit what is visible, once."""
         self._view.auto_db_range()
+
+    def fixed_contrast(self) -> None:
+        """Let the colours span the fixed range again."""
+        self._view.fixed_db_range()
+
+    def quiet_end_up(self) -> None:
+        """Let the colours begin louder."""
+        self._move_range("low", +RANGE_STEP_DB)
+
+    def quiet_end_down(self) -> None:
+        """Let the colours begin quieter."""
+        self._move_range("low", -RANGE_STEP_DB)
+
+    def loud_end_up(self) -> None:
+        """Let the colours end louder."""
+        self._move_range("high", +RANGE_STEP_DB)
+
+    def loud_end_down(self) -> None:
+        """Let the colours end quieter."""
+        self._move_range("high", -RANGE_STEP_DB)
+
+    def _move_range(self, end: str, by_db: float) -> None:
+        self._view.move_db_range(end, by_db)
+        self._remember_range()
 
     def toggle_axis(self) -> None:
         """Switch between metres and seconds, and keep that for the next time."""
@@ -106,12 +133,27 @@ class SpectrogramControl(QObject):
             if liked.get(name) in {kind.value for kind in kinds}:
                 setter(liked[name])
         view.set_color_map(liked.get("colours", view.color_map))
+        plane = view.plane
+        for name, of in RANGES:
+            low, _, high = liked.get(name, "").partition(" ")
+            try:
+                ends = float(low), float(high)
+            except ValueError:
+                continue  # the first time, or by somebody's hand
+            view.set_plane(of)
+            view.set_db_range(*ends)
+        view.set_plane(plane)
         self._show_looks()
 
     def _remember(self) -> None:
         view = self._view
         self._like(scale=view.frequency_scale.value, plane=view.plane.value, colours=view.color_map)
         self._show_looks()
+
+    def _remember_range(self) -> None:
+        name = next(name for name, of in RANGES if (of is Plane.EXCESS) == (self._view.plane is Plane.EXCESS))
+        low, high = self._view.fixed_range
+        self._like(**{name: f"{low:.1f} {high:.1f}"})
 
     def _like(self, **liked: str) -> None:
         before = self._preferences.values.sound_view

@@ -81,8 +81,8 @@ class ColourBar:
             low, high = low + by_db, high + by_db
         return low, high
 
-    def paint(self, painter: QPainter, rect: QRectF, theme: Theme) -> None:
-        """Draw the bar, its ticks and its two handles."""
+    def paint(self, painter: QPainter, rect: QRectF, theme: Theme, mode: str = "") -> None:
+        """Draw the bar, its ticks and its two handles with their values; ``mode`` stands below the unit."""
         bar, metrics = self.bar_rect(rect), theme.metrics()
         rows = max(1, round(bar.height()))
         levels = self.scale.value(1.0 - (np.arange(rows) + 0.5) / rows)
@@ -95,8 +95,11 @@ class ColourBar:
         digits = tick_digits(ticks[1] - ticks[0]) if len(ticks) > 1 else 0
         for value in ticks:
             y = self.y_of(rect, value)
-            if y < rect.top() + 1.3 * metrics.height():
+            ends = [self.y_of(rect, level_db) for level_db in (self.low_db, self.high_db)]
+            if y < rect.top() + (2.4 if mode else 1.3) * metrics.height():
                 continue  # the unit stands there
+            if min(abs(y - end) for end in ends) < 0.9 * metrics.height():
+                continue  # the value of an end does
             painter.drawLine(QPointF(bar.right(), y), QPointF(bar.right() + 4, y))
             middle = min(y, rect.bottom() - 0.45 * metrics.height())
             box = QRectF(bar.right() + 7, middle - metrics.height(), rect.width(), 2 * metrics.height())
@@ -106,8 +109,19 @@ class ColourBar:
         painter.drawText(
             QRectF(bar.right() + 7, rect.top(), rect.width(), metrics.height()), Qt.AlignmentFlag.AlignLeft, "dB"
         )
+        room = rect.right() - bar.right() - 7
+        if mode:
+            text = metrics.elidedText(mode, Qt.TextElideMode.ElideRight, room)
+            place = QRectF(bar.right() + 7, rect.top() + metrics.height(), room, metrics.height())
+            painter.drawText(place, Qt.AlignmentFlag.AlignLeft, text)
+        highest = rect.top() + (2.4 if mode else 1.3) * metrics.height()
         for level_db in (self.low_db, self.high_db):
-            self._paint_handle(painter, bar, self.y_of(rect, level_db), theme)
+            y = self.y_of(rect, level_db)
+            self._paint_handle(painter, bar, y, theme)
+            middle = min(max(y, highest), rect.bottom() - 0.45 * metrics.height())
+            painter.setPen(QColor(theme.cursor))
+            box = QRectF(bar.right() + 7, middle - metrics.height(), room, 2 * metrics.height())
+            painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, number_text(level_db, 0))
 
     def _paint_handle(self, painter: QPainter, bar: QRectF, y: float, theme: Theme) -> None:
         painter.save()

@@ -14,15 +14,17 @@ from PySide6.QtWidgets import QWidget
 
 from processing.survey import Channel
 from widgets.color_maps import COLOR_MAPS, DARK_EXCESS_MAP, EXCESS_MAP
-from widgets.colour_bar import LEAST_RANGE_DB, ColourBar
+from widgets.colour_bar import ColourBar
+from widgets.contrast import MOST_HIDDEN, USUAL_DB, Contrast, Counts
 from widgets.latest_loader import LatestLoader
 from widgets.linked_plot import LinkedPlot
 from widgets.plot_axes import ValueAxis
 from widgets.plot_canvas import Keep, PaintedItem, PictureItem
+from widgets.plot_paint import paint_tag
 from widgets.plot_scale import Scale, ScaleKind, hertz_text
 from widgets.plot_theme import LIGHT, Theme
 from widgets.spectrogram_picture import EXCESS_LOW_DB, EXCESS_STEP_DB, Picture, PictureKey, PictureWish, Plane
-from widgets.tile_source import Levels, TileSource
+from widgets.tile_source import TileSource
 from widgets.time_cursor import TimeCursor
 
 OVERVIEW_COLUMNS = 2048
@@ -35,6 +37,7 @@ class SoundPicture(LinkedPlot):
     """The levels of one channel with a decibel bar; subclasses add what lies over them."""
 
     db_range_changed = Signal(float, float)
+    fixed_range_chosen = Signal()  # by a drag of its ends that has been let go
     looks_changed = Signal()  # scale of frequencies, plane, or colours
     read_failed = Signal(object)  # LeaklineError or OSError
 
@@ -47,17 +50,16 @@ class SoundPicture(LinkedPlot):
         self._kind = ScaleKind.LOG
         self._plane = Plane.SHORT
         self._frequency = Scale(LOWEST_LOG_HZ, 1000.0, self._kind)
-        self._level_bar = ColourBar(Scale(-120.0, 0.0), -90.0, -30.0, "viridis")
-        span = Scale(-MOST_EXCESS_DB, MOST_EXCESS_DB)
-        self._excess_bar = ColourBar(span, -USUAL_EXCESS_DB, USUAL_EXCESS_DB, EXCESS_MAP, symmetric=True)
-        if theme.name == "dark":
-            self._excess_bar = replace(self._excess_bar, color_map=DARK_EXCESS_MAP)
+        self._levels = Contrast(ColourBar(Scale(-120.0, 0.0), *USUAL_DB, "viridis"), USUAL_DB)
+        span, usual = Scale(-MOST_EXCESS_DB, MOST_EXCESS_DB), (-USUAL_EXCESS_DB, USUAL_EXCESS_DB)
+        name = DARK_EXCESS_MAP if theme.name == "dark" else EXCESS_MAP
+        self._excess = Contrast(ColourBar(span, *usual, name, symmetric=True), usual)
+        self._counts: Counts | None = None  # of the numbers in the picture
         self._overview_item, self._picture_item = PictureItem(), PictureItem()
         for item in (self._overview_item, self._picture_item):
             self._plot.addItem(item, ignoreBounds=True)
         self._bar_item = PaintedItem(self._plot, self._paint_bar, 9.0, Keep.PIXELS)
-        self._bar_shown: tuple[ColourBar, Theme, QRectF] | None = None
-        self._range_is_chosen = self._range_is_guessed = False
+        self._bar_shown: tuple[Contrast, Theme, QRectF] | None = None
         self._picture: Picture | None = None
         self._overview: Picture | None = None
         self._asked: PictureKey | None = None
@@ -73,7 +75,7 @@ class SoundPicture(LinkedPlot):
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters; what is as loud as the background looks like the canvas."""
         name = DARK_EXCESS_MAP if theme.name == "dark" else EXCESS_MAP
-        self._excess_bar = replace(self._excess_bar, color_map=name)
+        self._excess = replace(self._excess, bar=replace(self._excess.bar, color_map=name))
         super().apply_theme(theme)
 
     # --- what it is told ----------------------------------------------------------------------------------------
@@ -82,13 +84,11 @@ class SoundPicture(LinkedPlot):
         """Show this sound; None shows none. Waits for a read in work, so that the old source may be closed after."""
         self._loader.stop()
         self._overview_loader.stop()
-        self._picture = self._overview = self._asked = self._overview_asked = None
+        self._picture = self._overview = self._asked = self._overview_asked = self._counts = None
         self._source = source
         if source is not None:
             self._frequency = self.whole_frequency()
-            top = source.low_db + 255.0 * source.step_db
-            low, high = self._within(source, top)
-            self._level_bar = replace(self._level_bar, scale=Scale(source.low_db, top), low_db=low, high_db=high)
+            self._levels = self._levels.back().over(Scale(*self._ends_db(source)))
         self.invalidate()
 
     def reload(self) -> None:
@@ -101,8 +101,8 @@ class SoundPicture(LinkedPlot):
 
     def set_color_map(self, name: str) -> None:
         """Use another colour table for levels: one of :data:`widgets.color_maps.COLOR_MAPS`."""
-        if name in COLOR_MAPS and name != self._level_bar.color_map:
-            self._level_bar = replace(self._level_bar, color_map=name)
+        if name in COLOR_MAPS and name != self._levels.bar.color_map:
+            self._levels = replace(self._levels, bar=replace(self._levels.bar, color_map=name))
             self.invalidate()
             self.looks_changed.emit()
 
@@ -115,21 +115,37 @@ class SoundPicture(LinkedPlot):
             self.looks_changed.emit()
 
     def set_db_range(self, low_db: float, high_db: float) -> None:
-        """Let the colours run from ``low_db`` to ``high_db``; stays until changed, wherever one pans."""
-        if not (math.isfinite(low_db) and math.isfinite(high_db)):
-            return
-        high_db = max(high_db, low_db + LEAST_RANGE_DB)
-        if self._plane is not Plane.EXCESS:
-            self._range_is_chosen, self._range_is_guessed = True, False
-        if (low_db, high_db) != self.db_range:
-            self._set_bar(replace(self._bar, low_db=low_db, high_db=high_db))
-            self.db_range_changed.emit(low_db, high_db)
-            self.invalidate()
+        """Let the colours run from ``low_db`` to ``high_db``; stays until changed, in whatever is shown."""
+        if math.isfinite(low_db) and math.isfinite(high_db):
+            self._set_contrast(self._contrast.with_fixed(low_db, high_db))
+
+    def move_db_range(self, end: str, by_db: float) -> None:
+        """Move the ``low`` or ``high`` end of the range (or ``both``) by decibels, within what there is."""
+        self.set_db_range(*self._bar.dragged(end, by_db))
 
     def auto_db_range(self) -> bool:
         """Choose the decibel range by what is visible now, once; False where nothing has been read yet."""
         picture = self._picture
-        return picture is not None and picture.key.plane is self._plane and self._choose_range(picture.levels)
+        if picture is None or picture.key.plane is not self._plane or self._counts is None:
+            return False
+        fitted = self._contrast.fitted(self._counts, (self._level_of(0), self._level_of(255)))
+        if fitted is not None:
+            self._set_contrast(fitted)
+        return fitted is not None
+
+    def fixed_db_range(self) -> None:
+        """Go back to the range that was chosen, the same in whatever is shown."""
+        self._set_contrast(self._contrast.back())
+
+    def _set_contrast(self, contrast: Contrast) -> None:
+        before = self._contrast
+        if self._plane is Plane.EXCESS:
+            self._excess = contrast
+        else:
+            self._levels = contrast
+        if contrast != before:
+            self.db_range_changed.emit(*self.db_range)
+            self.invalidate()
 
     def set_frequency_scale(self, kind: ScaleKind | str) -> None:
         """Spread frequencies evenly, by the logarithm, or as the ear does (mel); shows them all."""
@@ -159,9 +175,26 @@ class SoundPicture(LinkedPlot):
         return tuple(self._bar.table(self._level_of(0), self._level_of(255)))
 
     @property
+    def fixed_range(self) -> tuple[float, float]:
+        """The decibels that the colours span unless one asks otherwise."""
+        return self._contrast.fixed_db
+
+    @property
+    def contrast_is_auto(self) -> bool:
+        """Whether the range was taken from what was visible."""
+        return self._contrast.auto
+
+    @property
+    def hidden_share(self) -> float:
+        """Which part of what is visible lies below the colours, 0 to 1."""
+        if self._counts is None:
+            return 0.0
+        return self._contrast.hidden_share(self._counts, (self._level_of(0), self._level_of(255)))
+
+    @property
     def color_map(self) -> str:
         """The colour table of levels."""
-        return self._level_bar.color_map
+        return self._levels.bar.color_map
 
     @property
     def plane(self) -> Plane:
@@ -222,58 +255,37 @@ class SoundPicture(LinkedPlot):
 
     def _take_picture(self, picture: Picture) -> None:
         self._picture = picture
+        self._counts = np.bincount(picture.levels.ravel(), minlength=256)
         self.invalidate_in_turn()
 
     def _take_overview(self, picture: Picture) -> None:
         self._overview = picture
-        if not self._range_is_chosen and picture.key.plane is not Plane.EXCESS:
-            self._range_is_guessed = self._choose_range(picture.levels)
         self.invalidate()
 
     def _forget_map(self) -> None:
         self._map_version += 1
 
-    def _choose_range(self, levels: Levels) -> bool:
-        """Take the range by percentiles (acoustics §4.3): never by extremes, which one click would set."""
-        counts = np.bincount(levels.ravel(), minlength=256)
-        counts[0] = 0  # 0 is "nothing there"
-        if not counts.any():
-            return False
-        share, scale = np.cumsum(counts) / counts.sum(), self._bar.scale
-        lowest, highest = (self._level_of(int(np.searchsorted(share, part))) for part in (0.05, 0.998))
-        if self._plane is Plane.EXCESS:
-            half = min(max(math.ceil(max(highest, -lowest)), 6.0), scale.high)
-            self.set_db_range(-half, half)
-            return True
-        low, high = lowest - 3.0, max(highest, lowest + 27.0)
-        self.set_db_range(round(max(low, scale.low)), round(min(max(high, low + LEAST_RANGE_DB), scale.high)))
-        return True
-
-    def _within(self, source: TileSource, top_db: float) -> tuple[float, float]:
-        low, high = self._level_bar.low_db, self._level_bar.high_db
-        told = self._range_is_chosen and not self._range_is_guessed  # what was guessed fits another sound no more
-        if told and low < top_db and high > source.low_db:
-            return low, high
-        self._range_is_chosen = self._range_is_guessed = False
-        return source.low_db + 0.25 * (top_db - source.low_db), source.low_db + 0.75 * (top_db - source.low_db)
-
     # --- levels and colours -------------------------------------------------------------------------------------
 
     @property
-    def _bar(self) -> ColourBar:
-        return self._excess_bar if self._plane is Plane.EXCESS else self._level_bar
+    def _contrast(self) -> Contrast:
+        return self._excess if self._plane is Plane.EXCESS else self._levels
 
-    def _set_bar(self, bar: ColourBar) -> None:
-        if self._plane is Plane.EXCESS:
-            self._excess_bar = bar
-        else:
-            self._level_bar = bar
+    @property
+    def _bar(self) -> ColourBar:
+        return self._contrast.bar
+
+    @staticmethod
+    def _ends_db(source: TileSource) -> tuple[float, float]:
+        """Return what the lowest and the highest number of a sound's tiles stand for."""
+        return source.low_db, source.low_db + 255.0 * source.step_db
 
     def _level_of(self, number: int) -> float:
         """Return the decibels that a number of the picture stands for."""
         if self._plane is Plane.EXCESS:
             return EXCESS_LOW_DB + EXCESS_STEP_DB * number
-        return self._level_bar.scale.low + (self._level_bar.scale.high - self._level_bar.scale.low) / 255.0 * number
+        low, high = self._ends_db(self._source) if self._source is not None else (0.0, 0.0)
+        return low + (high - low) / 255.0 * number
 
     def level_at(self, place: QPointF) -> float | None:
         """Return the level in dB of the picture at one of the widget's pixels; None where none has been read."""
@@ -312,7 +324,7 @@ class SoundPicture(LinkedPlot):
         self._show_picture(self._overview_item, None if covered else self._overview, wanted)
         self._show_picture(self._picture_item, picture, wanted)
         self._bar_item.setVisible(known)
-        bar = (self._bar, self._theme, self._value_rect())
+        bar = (self._contrast, self._theme, self._value_rect())
         if self._bar_shown != bar:
             self._bar_shown = bar
             self._bar_item.renew(self._value_rect().adjusted(-4, -8, 4, 8))
@@ -325,10 +337,23 @@ class SoundPicture(LinkedPlot):
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._source is None:
             self._paint_hint(painter, rect, self.tr("No sound"))
+        elif self.hidden_share > MOST_HIDDEN:
+            self._paint_hidden(painter, rect)
 
     def _paint_bar(self, painter: QPainter) -> None:
         painter.setFont(self._theme.font())
-        self._bar.paint(painter, self._value_rect(), self._theme)
+        mode = self.tr("auto") if self._contrast.auto else self.tr("fixed")
+        self._bar.paint(painter, self._value_rect(), self._theme, mode)
+
+    def _paint_hidden(self, painter: QPainter, rect: QRectF) -> None:
+        """Say that the colours hide what is weak, and what to do."""
+        metrics = self._theme.metrics()
+        text = self.tr("{percent} % is too quiet for these colours: K fits them")
+        text = text.format(percent=round(100.0 * self.hidden_share))
+        width, height = metrics.horizontalAdvance(text) + 14.0, metrics.height() + 6.0
+        if width <= rect.width() and height <= rect.height():
+            place = QRectF(rect.center().x() - 0.5 * width, rect.bottom() - height - 4.0, width, height)
+            paint_tag(painter, self._theme, text, place, strong=True)
 
     def _hertz_text(self, value: float, step: float) -> str:
         del step

@@ -44,7 +44,7 @@ class SpectrogramView(SoundPicture):
         self._dragged_band_hz: tuple[float, float] | None = None
         self._band_before_hz = (0.0, 0.0)  # what a drag began with
         self._selected_hz: tuple[float, float] | None = None  # None: all
-        self._selecting_now = False
+        self._selecting_now = self._range_dragged = False
         self._figures: SelectionFigures | None = None
         self._measurer = LatestLoader(self)
         self._measurer.loaded.connect(self._take_figures)
@@ -237,7 +237,12 @@ class SpectrogramView(SoundPicture):
         end = self._bar.grabbed(bar_room, place) if self._source is not None else ""
         if end:
             bar, start_db = self._bar, self._bar.db_at(bar_room, place.y())
-            return lambda p: self.set_db_range(*bar.dragged(end, bar.db_at(bar_room, p.y()) - start_db))
+
+            def drag(place: QPointF) -> None:
+                self._range_dragged = True
+                self.set_db_range(*bar.dragged(end, bar.db_at(bar_room, place.y()) - start_db))
+
+            return drag
         handles = self._handles()
         which = handles.grabbed(place) if handles is not None else None
         if which is not None:
@@ -281,6 +286,9 @@ class SpectrogramView(SoundPicture):
     def _drop(self) -> None:
         if self._selecting_now:
             self._end_selecting()
+        if self._range_dragged:
+            self._range_dragged = False
+            self.fixed_range_chosen.emit()
         if self._dragged_band_hz is not None:
             self.band_changed.emit(*self._dragged_band_hz)
             self._dragged_band_hz = None
