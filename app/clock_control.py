@@ -7,6 +7,7 @@ from PySide6.QtCore import QObject
 from app.survey_session import SurveySession
 from processing import messages
 from widgets.clock_panel import ClockPanel
+from widgets.units import quantities
 
 if TYPE_CHECKING:
     from app.page_tools import PageTools
@@ -40,7 +41,7 @@ class ClockControl(QObject):
             return
         from processing.clock_picture import clock_picture
 
-        sentences = [messages.finding_sentence(finding, self._language) for finding in fit.findings]
+        sentences = [messages.finding_sentence(finding, self._language, quantities().units) for finding in fit.findings]
         if fit.clock.basis == "given":
             sentences.insert(0, messages.text("report", "accuracy_clock_given", self._language))
         self._panel.show_clock(" ".join(sentences), clock_picture(fit))

@@ -14,7 +14,7 @@ from processing import messages
 from widgets.compared_paths import ComparedPath
 from widgets.method_panel import MethodPanel, MethodRow, Outcome
 from widgets.path_view import PathView
-from widgets.vocabulary import number
+from widgets.units import quantities
 
 if TYPE_CHECKING:
     from processing.comparison import Compared
@@ -147,8 +147,8 @@ class ComparisonControl(QObject):
                 name=last.name
             )
         if survey.pipe.length_m is not None:
-            return self.tr("'Length off' is measured against the pipe's length of {length} m.").format(
-                length=number(survey.pipe.length_m, 1)
+            return self.tr("'Length off' is measured against the pipe's length of {length}.").format(
+                length=quantities().length(survey.pipe.length_m)
             )
         return self.tr("No tie point or length is known, so nothing tells which is right: compare the shapes.")
 

@@ -13,6 +13,7 @@ from processing.correlation.report import CorrelationReport, headline
 from processing.survey import FloatArray
 from widgets.correlator_plot import ShownCorrelation
 from widgets.correlator_spectrum import ShownCoherence
+from widgets.units import quantities
 
 CHANCE_SIGMAS = 3.0
 
@@ -45,7 +46,7 @@ def show_result(
     page.band_high.set_value(round(result.band.high_hz, 1))
     page.sketch.show_pipe(pipe, result.position)
     page.set_ready(ready=result.chosen is not None)
-    notes = [messages.finding_sentence(finding, language) for finding in result.findings]
+    notes = [messages.finding_sentence(finding, language, quantities().units) for finding in result.findings]
     if pair is None:
         page.say("", notes)
         return

@@ -30,7 +30,7 @@ def evidence_text(row: CandidateRow, language: str) -> str:
         text = QCoreApplication.translate("Evidence", "Leak with {percent} % probability; looks like: {kind}.")
         lines.append(text.format(percent=number(100.0 * candidate.score, 0), kind=class_text(candidate.leak_class)))
         text = QCoreApplication.translate(
-            "Evidence", "{level} dB above its surroundings from {low} to {high}, {width} m wide."
+            "Evidence", "{level} dB above its surroundings from {low} to {high}, {width} wide."
         )
         low, high = candidate.band_hz
         lines.append(
@@ -38,22 +38,22 @@ def evidence_text(row: CandidateRow, language: str) -> str:
                 level=number(candidate.level_db, 1),
                 low=frequency_text(low),
                 high=frequency_text(high),
-                width=number(candidate.width_m, 1),
+                width=quantities().length(candidate.width_m),
             )
         )
-    if row.leak_size is not None and (sized := size_sentence(row.leak_size, language)):
+    if row.leak_size is not None and (sized := size_sentence(row.leak_size, language, quantities().units)):
         lines.append(sized)
-    text = QCoreApplication.translate("Evidence", "95 % between {low} m and {high} m, passed at {time}.")
-    low_m, high_m = number(candidate.chainage_low95_m, 1), number(candidate.chainage_high95_m, 1)
+    text = QCoreApplication.translate("Evidence", "95 % between {low} and {high}, passed at {time}.")
+    low_m, high_m = (quantities().place(x) for x in (candidate.chainage_low95_m, candidate.chainage_high95_m))
     lines.append(text.format(low=low_m, high=high_m, time=clock_text(candidate.time_s)))
     for key, least in WORTH_SAYING.items():
         value = candidate.evidence.get(key)
         if isinstance(value, float | int) and math.isfinite(value) and value >= least:
-            lines.append(messages.text("evidence", key, language, value=value))
+            lines.append(messages.text_in(quantities().units, "evidence", key, language, value=value))
     lines += _pressure_lines(candidate.evidence, language)
     sigmas = [candidate.evidence.get(key) for key in ("sigma_path_m", "sigma_sound_m", "sigma_clock_m")]
     if all(isinstance(sigma, float) and math.isfinite(sigma) for sigma in sigmas):
-        path, sound, clock = (number(float(sigma), 2) for sigma in sigmas if sigma is not None)
+        path, sound, clock = (quantities().length(float(sigma), 2) for sigma in sigmas if sigma is not None)
         lines.append(messages.text("evidence", "sigmas", language, path=path, sound=sound, clock=clock))
     return "\n".join(lines)
 
@@ -78,7 +78,14 @@ def _pressure_lines(evidence: Params, language: str) -> list[str]:
         value, p = evidence.get(f"{key}_kpa"), evidence.get(f"{key}_p")
         if isinstance(value, float) and isinstance(p, float) and p <= RARE:
             lines.append(
-                messages.text("evidence", key, language, value=abs(value) if key == "pressure_dip" else value, p=p)
+                messages.text_in(
+                    quantities().units,
+                    "evidence",
+                    key,
+                    language,
+                    value=abs(value) if key == "pressure_dip" else value,
+                    p=p,
+                )
             )
     near = evidence.get("pressure_transient_s")
     if isinstance(near, float):

@@ -17,6 +17,7 @@ from widgets.evidence_panel import EvidencePanel, EvidenceRow, ShownEvidence
 from widgets.evidence_plots import SmallPlot, Weighed
 from widgets.known_leak_dialog import KnownFlow, KnownLeakDialog
 from widgets.latest_loader import LatestLoader
+from widgets.units import quantities
 from widgets.vocabulary import class_text
 
 if TYPE_CHECKING:
@@ -165,4 +166,6 @@ def _sentence(feature: "ShownFeature", language: str) -> str:
     elif feature.name == "place_not_moment":
         high = feature.value >= -0.02
     value = float(np.exp(feature.value)) if feature.name in _RATIOS else feature.value
-    return messages.text("why", f"{feature.name}_{'high' if high else 'low'}", language, value=value)
+    return messages.text_in(
+        quantities().units, "why", f"{feature.name}_{'high' if high else 'low'}", language, value=value
+    )

@@ -25,6 +25,7 @@ from processing.storage.folder import SurveyFolder, is_survey_folder
 from processing.survey import Survey
 from widgets.message_boxes import Choice, MessageBoxes
 from widgets.raw_form import RawAnswer
+from widgets.units import quantities
 from widgets.vocabulary import frequency_text, place_text, verdict_text
 
 if TYPE_CHECKING:
@@ -134,7 +135,7 @@ class FilesControl(QObject):
         self._load(show="leaks")
 
     def _offer_way_out(self, path: Path, error: LeaklineError, *, tried_take_over: bool) -> bool:
-        sentence = messages.error_sentence(error, self._boxes().language)
+        sentence = messages.error_sentence(error, self._boxes().language, quantities().units)
         cancel = Choice("cancel", self.tr("Cancel"))
         if error.code is ErrorCode.SURVEY_LOCKED:
             choices = [Choice("read_only", self.tr("Open read-only"))]
@@ -207,7 +208,7 @@ class FilesControl(QObject):
         self._page.set_files(previewed_files(preview))
         findings = [*preview.findings, *(finding for file in preview.files for finding in file.findings)]
         language = self._boxes().language
-        notes = [messages.error_sentence(error, language) for error in errors_of(preview)]
+        notes = [messages.error_sentence(error, language, quantities().units) for error in errors_of(preview)]
         self._page.set_findings(findings, (), notes)
         self._page.tie_points.set_moments(0.0, opening.end_of(preview))
         self._show_process()
@@ -295,7 +296,7 @@ class FilesControl(QObject):
         if not session.orphans or not session.writable:
             return
         listed = "\n".join(
-            f"• {place_text(orphan.candidate)} m: {verdict_text(orphan.decision.verdict)} {orphan.decision.note}"
+            f"• {place_text(orphan.candidate)}: {verdict_text(orphan.decision.verdict)} {orphan.decision.note}"
             for orphan in session.orphans
         )
         text = self.tr("These earlier verdicts found no candidate any more. Nothing is lost; keep them as marks?")
@@ -337,13 +338,10 @@ class FilesControl(QObject):
         self._page.set_path(str(folder.path))
         self._page.set_survey(session.survey, writable=session.writable)
         self._page.set_files(imported_files(folder.files()))
+        told = self.tr("Verdict without a candidate at {place}: {verdict} {note}")
         notes = [
-            self.tr("Verdict without a candidate at {place} m: {verdict} {note}").format(
-                place=place_text(orphan.candidate),
-                verdict=verdict_text(orphan.decision.verdict),
-                note=orphan.decision.note,
-            )
-            for orphan in session.orphans
+            told.format(place=place_text(o.candidate), verdict=verdict_text(o.decision.verdict), note=o.decision.note)
+            for o in session.orphans
         ]
         self._page.set_findings(session.findings, results.not_assessed if results is not None else (), notes)
         self._show_moments()

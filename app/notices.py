@@ -6,6 +6,7 @@ from PySide6.QtWidgets import QLabel, QWidget
 from app.survey_session import SurveySession
 from processing import messages
 from processing.errors import LeaklineError
+from widgets.units import quantities
 
 TOLD_MS = 15_000
 
@@ -61,7 +62,7 @@ class Notices(QObject):
     def tell_error(self, error: Exception) -> None:
         """Tell without a box what may come again with every move, such as a stick that was pulled out."""
         if isinstance(error, LeaklineError):
-            self.tell(messages.error_sentence(error, self._language))
+            self.tell(messages.error_sentence(error, self._language, quantities().units))
         else:
             self.tell(str(error))
 

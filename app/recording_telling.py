@@ -16,6 +16,7 @@ from processing.live.stream import DiscStatus, LinkState, MotionStatus, Recordin
 from processing.survey import Finding, Severity
 from widgets.device_form import NONE
 from widgets.recording_panel import BATTERY_LOW
+from widgets.units import quantities
 
 BATTERY_EVERY_S = 10.0
 SPACE_EVERY_S = 5.0
@@ -101,7 +102,9 @@ class RecordingTelling:
     def _show_findings(self, status: RecordingStatus, now: float) -> None:
         findings = status.findings
         if findings != self._findings:  # some hundred sentences are not to be made ten times a second
-            self._lines = [messages.finding_sentence(finding, self._page.language) for finding in findings]
+            self._lines = [
+                messages.finding_sentence(finding, self._page.language, quantities().units) for finding in findings
+            ]
             is_new = bool(findings) and (not self._findings or findings[-1] != self._findings[-1])
             if is_new and findings[-1].severity is Severity.WARNING:
                 self._warn(self._lines[-1])

@@ -38,8 +38,9 @@ from widgets.spectrum_panel import SpectrumPanel
 from widgets.tile_source import TileSource
 from widgets.time_cursor import TimeCursor
 from widgets.toast import Toast
+from widgets.units import length_unit
 from widgets.view_tools import ViewTools
-from widgets.vocabulary import clock_text, number
+from widgets.vocabulary import clock_text, length_cell, number, place_and_width
 
 if TYPE_CHECKING:
     from processing.results import Results
@@ -151,7 +152,7 @@ class ReviewPage(QWidget):
         self.level.set_x_axis_visible(leaks)
         self.imu.set_x_axis_visible(True)
         width, height = max(self.width(), 1000), max(self.height(), 500)
-        shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.64, 0.36), "leaks": (0.23, 0.47, 0.30)}[arrangement]
+        shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.64, 0.36), "leaks": (0.20, 0.47, 0.33)}[arrangement]
         self._columns.setSizes([round(width * s) for s in shares])
         strips = {"path": (0.15, 0.0, 0.3, 0.55), "sound": (0.08, 0.46, 0.19, 0.27), "leaks": (0.12, 0.53, 0.35, 0.0)}
         self._strips.setSizes([round(height * s) for s in strips[arrangement]])
@@ -263,10 +264,11 @@ class ReviewPage(QWidget):
         parts = [clock_text(time_s)]
         chainage_m = self._cursor.chainage_at(time_s)
         if chainage_m is not None:
-            parts.append(f"{number(chainage_m, 1)} ± {number(view_data.plus_minus_m(self._track, time_s), 1)} m")
+            parts.append(place_and_width(chainage_m, view_data.plus_minus_m(self._track, time_s)))
         place = self._cursor.position_at(time_s)
         if place is not None:
-            parts.append(self.tr("E {east}  N {north} m").format(east=number(place[0], 1), north=number(place[1], 1)))
+            east, north, unit = length_cell(place[0]), length_cell(place[1]), length_unit().sign
+            parts.append(self.tr("E {east}  N {north} {unit}").format(east=east, north=north, unit=unit))
         if pointed is not None and pointed.frequency_hz is not None:
             parts.append(f"{number(pointed.frequency_hz, 0)} Hz")
         if pointed is not None and pointed.level_db is not None:

@@ -18,6 +18,7 @@ from widgets.sound_selection import SoundSelection
 from widgets.spectrogram_view import SpectrogramView
 from widgets.spectrum_panel import SpectrumPanel
 from widgets.spectrum_view import SpectrumCurve, SpectrumMark
+from widgets.units import quantities, speed_text
 from widgets.vocabulary import clock_text
 
 if TYPE_CHECKING:
@@ -121,7 +122,8 @@ class SpectrumControl(QObject):
         place = f"{clock_text(of.start_s)}–{clock_text(end_s)}"
         ends = [cursor.chainage_at(t) for t in (of.start_s, end_s)]
         if ends[0] is not None and ends[1] is not None:
-            place = f"{number_text(ends[0], 1)}–{number_text(ends[1], 1)} m, {place}"
+            told = quantities()
+            place = f"{told.place(ends[0])}–{told.place(ends[1])}, {place}"
         return Stretch(((of.start_s, end_s),), name, place, self._speed(of.start_s, end_s))
 
     def _use_around(self) -> None:
@@ -241,9 +243,9 @@ class SpectrumControl(QObject):
             lines.append(self.tr("In no band does A stand out of B by more than chance and a decibel."))
         note = speed_note(*(self._stretches[key].speed_mps for key in ("a", "b")))
         if note is not None:
-            text = self.tr("A was passed at {a} m/s, B at {b}: rolling alone may explain about {level} dB.")
+            text = self.tr("A was passed at {a}, B at {b}: rolling alone may explain about {level} dB.")
             level = number_text(note.explained_db, 0)
-            lines.append(text.format(a=number_text(note.a_mps, 2), b=number_text(note.b_mps, 2), level=level))
+            lines.append(text.format(a=speed_text(note.a_mps), b=speed_text(note.b_mps), level=level))
         return lines
 
     # --- writing ------------------------------------------------------------------------------------------------

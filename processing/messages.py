@@ -3,9 +3,11 @@
 The texts stand in ``resources/messages/<language>/*.toml``; each file holds tables (``errors``, ``findings``,
 ``reasons``, ``progress``, ``report`` …) of ``key = "sentence with {placeholders}"``, merged over the files.
 Numbers are filled in by :meth:`str.format`, so a sentence chooses its own digits: ``{gap_s:.1f} s``. Turkish has a
-decimal comma and writes the percent sign first; only the report keeps points, as it lists coordinates.
+decimal comma and writes the percent sign first; only the report keeps points, as it lists coordinates. The texts are
+metric; a number that one of the units of :data:`_IN_US` follows is told in US units where these are asked for.
 """
 
+import re
 import string
 import tomllib
 from collections.abc import Mapping
@@ -14,6 +16,7 @@ from importlib import resources
 from numbers import Real
 
 from processing.errors import LeaklineError
+from processing.quantities import GALLONS_PER_LITRE, METRES_PER_US_FOOT, PSI_PER_BAR, Units
 from processing.survey import Finding
 
 LANGUAGES = ("en", "tr")
@@ -26,6 +29,35 @@ class _TurkishFormatter(string.Formatter):
             return out
         out = out.replace(".", ",")
         return f"%{out[:-1]}" if format_spec.endswith("%") else out
+
+
+# the unit that stands behind a placeholder, the one in its stead, and how many of those one is
+_IN_US: Mapping[str, tuple[str, float]] = {
+    "m": ("ft", 1.0 / METRES_PER_US_FOOT),
+    "mm": ("in", 1.0 / 25.4),
+    "m/s": ("ft/s", 1.0 / METRES_PER_US_FOOT),
+    "bar": ("psi", PSI_PER_BAR),
+    "L/min": ("gal/min", GALLONS_PER_LITRE),
+    "L/dak": ("gal/dak", GALLONS_PER_LITRE),
+}
+_WITH_UNIT = re.compile(
+    r"\{(\w+)(:[^{}]*)?\}( ?(?:–|…|-|to|and|ile|ve) ?\{(\w+)(?::[^{}]*)?\})? (m/s|mm|m|bar|L/min|L/dak)(?![\w²³/])"
+)
+
+
+def _told_in_us(template: str, params: Mapping[str, object]) -> tuple[str, dict[str, object]]:
+    """Return the sentence with US units in the place of metric ones, and the numbers that belong to it."""
+    changed = dict(params)
+
+    def swap(found: re.Match[str]) -> str:
+        sign, factor = _IN_US[found.group(5)]
+        for name in (found.group(1), found.group(4)):
+            value = params.get(name or "")
+            if isinstance(value, Real):
+                changed[name] = float(value) * factor
+        return f"{found.group(0)[: -len(found.group(5))]}{sign}"
+
+    return _WITH_UNIT.sub(swap, template), changed
 
 
 _FORMATTERS: Mapping[str, string.Formatter] = {"en": string.Formatter(), "tr": _TurkishFormatter()}
@@ -48,18 +80,26 @@ def table(name: str, language: str = "en") -> Mapping[str, str]:
 
 def text(table_name: str, key: str, language: str = "en", **params: object) -> str:
     """Return one sentence, filled in; raises KeyError for an unknown key (that is our bug: a test lists them all)."""
+    return text_in(Units.METRIC, table_name, key, language, **params)
+
+
+def text_in(units: Units, table_name: str, key: str, language: str, **params: object) -> str:
+    """Return one sentence as :func:`text` does, its lengths, speeds and pressures in these units."""
     formatter = _FORMATTERS["en" if table_name == "report" else language]
-    return formatter.vformat(_tables(language)[table_name][key], (), params)
+    template, told = _tables(language)[table_name][key], dict(params)
+    if units is Units.US:
+        template, told = _told_in_us(template, params)
+    return formatter.vformat(template, (), told)
 
 
-def finding_sentence(finding: Finding, language: str = "en") -> str:
+def finding_sentence(finding: Finding, language: str = "en", units: Units = Units.METRIC) -> str:
     """Return what a finding says to the operator."""
-    return text("findings", finding.code, language, **finding.params)
+    return text_in(units, "findings", finding.code, language, **finding.params)
 
 
-def error_sentence(error: LeaklineError, language: str = "en") -> str:
+def error_sentence(error: LeaklineError, language: str = "en", units: Units = Units.METRIC) -> str:
     """Return one line that names the file, the place in it and what to do."""
-    sentence = text("errors", error.code.value, language, **error.params)
+    sentence = text_in(units, "errors", error.code.value, language, **error.params)
     if error.place is None:
         return sentence
     place = str(error.place.path)

@@ -97,9 +97,10 @@ class Quantities:
         """Return a flow with its unit."""
         if litres_per_minute is None or not math.isfinite(litres_per_minute):
             return "–"
+        a_minute = "dak" if self.language == "tr" else "min"
         if self.units is Units.US:
-            return f"{self.number(litres_per_minute * GALLONS_PER_LITRE, 1)} gal/min"
-        return f"{self.number(litres_per_minute, 1)} L/min"
+            return f"{self.number(litres_per_minute * GALLONS_PER_LITRE, 1)} gal/{a_minute}"
+        return f"{self.number(litres_per_minute, 1)} L/{a_minute}"
 
     def day(self, iso: str) -> str:
         """Return an ISO day as people write it: 04.05.2026 in Turkish, 4 May 2026 in English; else as it is."""

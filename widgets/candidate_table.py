@@ -29,7 +29,18 @@ from processing.survey import Decision, Verdict
 from widgets.candidate_row import CandidateRow
 from widgets.list_tools import ListTools
 from widgets.plot_theme import Theme
-from widgets.vocabulary import class_text, half_width_m, number, size_text, verdict_icon, verdict_text
+from widgets.vocabulary import (
+    class_text,
+    half_width_m,
+    length_cell,
+    number,
+    place_cell,
+    place_title,
+    size_text,
+    verdict_icon,
+    verdict_text,
+    width_title,
+)
 
 Index = QModelIndex | QPersistentModelIndex
 ROOT = QModelIndex()
@@ -95,8 +106,8 @@ class CandidateModel(QAbstractTableModel):
             return (
                 self.tr("No."),
                 "" if self.narrow else self.tr("Verdict"),
-                self.tr("At (m)"),
-                self.tr("± m"),
+                place_title(),
+                width_title(),
                 self.tr("Score"),
                 self.tr("Class"),
                 self.tr("dB"),
@@ -138,9 +149,9 @@ class CandidateModel(QAbstractTableModel):
             case 1:
                 return "" if decision.verdict is Verdict.NONE else verdict_text(decision.verdict)
             case 2:
-                return number(candidate.chainage_m, 1)
+                return place_cell(candidate.chainage_m)
             case 3:
-                return number(half_width_m(candidate), 1)
+                return length_cell(half_width_m(candidate))
             case 4:
                 return "–" if row.manual else number(candidate.score, 2)
             case 5:

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from processing.importing.route_files.crs import CrsEntry, search
+from widgets.units import quantities
 
 ROW_HEIGHT = 40
 SHOWN = 60
@@ -136,7 +137,7 @@ class CrsField(QWidget):
         name = f"{entry.code}   {entry.name}"
         if entry.code not in self._fitting:
             return name
-        away = self.tr("{metres} m from the launch").format(metres=f"{self._fitting[entry.code]:.0f}")
+        away = self.tr("{length} from the launch").format(length=quantities().length(self._fitting[entry.code], 0))
         return f"{name}   ({away})"
 
     def _mark(self) -> None:

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QTextBrowser, QVBoxLayout, QWidget
 
 from processing import messages
 from processing.survey import Channel, Finding, Severity, Stretch
+from widgets.units import quantities
 from widgets.vocabulary import clock_text, severity_text
 
 ORDER = (Severity.WARNING, Severity.MASKED, Severity.REPAIRED, Severity.INFO)
@@ -45,7 +46,9 @@ class FindingsPanel(QWidget):
         """Show these findings and stretches; ``notes`` are sentences that come first."""
         self._rows = [(Severity.WARNING, note, None) for note in notes]
         for finding in sorted(findings, key=lambda f: ORDER.index(f.severity)):
-            self._rows.append((finding.severity, messages.finding_sentence(finding, self._language), None))
+            self._rows.append(
+                (finding.severity, messages.finding_sentence(finding, self._language, quantities().units), None)
+            )
         for stretch in not_assessed:
             self._rows.append((Severity.MASKED, self._stretch_text(stretch), stretch.start_s))
         if not self._rows:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QFormLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from widgets import units
 from widgets.optional_number import OptionalNumber
 
 HEIGHT = 44
@@ -31,19 +32,24 @@ class KnownLeakDialog(QDialog):
             ).format(name=name)
         )
         about.setWordWrap(True)
-        self._flow = OptionalNumber(0.001, 1e6, hint=self.tr("needed"))
+        flow, pressure = units.flow_unit(), units.pressure_unit()
+        titles = (
+            self.tr("Flow ({unit})").format(unit=flow.sign),
+            self.tr("Pressure ({unit})").format(unit=pressure.sign),
+        )
+        self._flow = OptionalNumber(0.001, 1e6, factor=flow.factor, hint=self.tr("needed"))
         self._flow.setObjectName("known_flow")
-        self._pressure = OptionalNumber(0.01, 100.0, hint=self.tr("not known"))
+        self._pressure = OptionalNumber(0.01, 100.0, factor=pressure.factor, hint=self.tr("not known"))
         self._pressure.setObjectName("known_pressure")
-        for field, title in ((self._flow, self.tr("Flow (L/min)")), (self._pressure, self.tr("Pressure (bar)"))):
+        for field, title in zip((self._flow, self._pressure), titles, strict=True):
             field.setMinimumHeight(HEIGHT)
             field.setAccessibleName(title)
         if known is not None:
             self._flow.set_value(known.flow_lpm)
             self._pressure.set_value(known.pressure_bar)
         form = QFormLayout()
-        form.addRow(self.tr("Flow (L/min)"), self._flow)
-        form.addRow(self.tr("Pressure (bar)"), self._pressure)
+        form.addRow(titles[0], self._flow)
+        form.addRow(titles[1], self._pressure)
         self._buttons = QDialogButtonBox()
         self._keep = self._button(self.tr("Size others beside it"), QDialogButtonBox.ButtonRole.AcceptRole)
         self._button(self.tr("Cancel"), QDialogButtonBox.ButtonRole.RejectRole)

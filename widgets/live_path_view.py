@@ -12,6 +12,7 @@ from processing.survey import FloatArray, Verdict
 from widgets.painted_widget import PaintedWidget
 from widgets.plot_scale import number_text
 from widgets.plot_theme import LIGHT, Theme
+from widgets.units import length_unit, quantities, speed_text
 
 _MOST_POINTS = 2000  # of the path that are drawn
 _LEAST_M = 4.0  # the plan is never closer than this
@@ -70,15 +71,15 @@ class LivePathView(PaintedWidget):
 
     def words(self) -> tuple[str, str]:
         """Return the two lines of figures: place, and motion."""
-        place, locale = self._place, self.locale()
+        place = self._place
         where = "–"
         if place.chainage_m is not None:
-            where = f"{number_text(place.chainage_m, 1, locale)} m"
+            where = quantities().place(place.chainage_m)
             if place.sigma_m is not None:
-                where += f" ± {number_text(2.0 * place.sigma_m, 1, locale)} m"
+                where += f" ± {quantities().length(2.0 * place.sigma_m)}"
         if self._is_stale and place.chainage_m is not None:
             return where, self.tr("? last known place")
-        speed = "" if place.speed_mps is None else f"{number_text(place.speed_mps, 2, locale)} m/s"
+        speed = "" if place.speed_mps is None else speed_text(place.speed_mps)
         how = {True: self.tr("■ still"), False: self.tr("▶ moving"), None: ""}[place.is_still]
         return where, "   ".join(part for part in (how, speed) if part)
 
@@ -150,15 +151,16 @@ class LivePathView(PaintedWidget):
         self._paint_length(painter, rect, scale)
 
     def _paint_length(self, painter: QPainter, rect: QRectF, scale: float) -> None:
-        """Draw a bar of a round number of metres."""
+        """Draw a bar of a round number of metres or feet."""
         theme = self._theme
-        wanted = 0.25 * rect.width() / scale
+        unit = length_unit()
+        wanted = 0.25 * rect.width() / (scale * unit.factor)
         ten = 10.0 ** np.floor(np.log10(wanted))
-        metres = float(ten * max(step for step in (1, 2, 5) if step * ten <= wanted))
-        left, right, y = rect.right() - scale * metres, rect.right(), rect.bottom() - 2
+        length = float(ten * max(step for step in (1, 2, 5) if step * ten <= wanted))
+        left, right, y = rect.right() - scale * unit.factor * length, rect.right(), rect.bottom() - 2
         painter.setPen(QPen(QColor(theme.text), 2))
         painter.drawLine(QPointF(left, y), QPointF(right, y))
-        text = f"{number_text(metres, 0 if metres >= 1 else 1, self.locale())} m"
+        text = f"{number_text(length, 0 if length >= 1 else 1, self.locale())} {unit.sign}"
         height = theme.metrics().height()
         box = QRectF(right - 100, y - height - 2, 100, height)
         painter.drawText(box, Qt.AlignmentFlag.AlignRight, text)

@@ -17,8 +17,9 @@ from PySide6.QtWidgets import (
 )
 
 from processing.survey import TiePoint
-from widgets.optional_number import OptionalNumber, number_text
+from widgets.optional_number import OptionalNumber, converted_text
 from widgets.recording_words import clock_text
+from widgets.units import length_unit, quantities
 
 BUTTON_HEIGHT = 64
 
@@ -66,10 +67,13 @@ class MarkerLine(QFrame):
         self.name.setObjectName("marker_name")
         self.name.setMinimumHeight(44)
         self.name.setAccessibleName(self.tr("Name of the marker"))
-        self.chainage = _ChainageField(-1e5, 1e6, hint=self.tr("m from launch"))
+        unit = self._unit = length_unit()
+        self.chainage = _ChainageField(
+            -1e5, 1e6, factor=unit.factor, hint=self.tr("{unit} from launch").format(unit=unit.sign)
+        )
         self.chainage.setObjectName("marker_chainage")
         self.chainage.setMaximumWidth(130)
-        self.chainage.setAccessibleName(self.tr("Chainage in metres"))
+        self.chainage.setAccessibleName(self.tr("Chainage ({unit})").format(unit=unit.sign))
         self._done = QPushButton("⏎")
         self._done.setObjectName("marker_done")
         self._done.setAccessibleName(self.tr("Store"))
@@ -111,7 +115,7 @@ class MarkerLine(QFrame):
         """Put in the chainage of a place that is known; that of another place must not stay under a new name."""
         if text in self._places:
             self._offer(self._places[text])
-        elif self._offered_m is not None and self.chainage.text() == number_text(self._offered_m):
+        elif self._offered_m is not None and self.chainage.text() == converted_text(self._offered_m, self._unit.factor):
             self._offer(None)
 
     def _offer(self, chainage_m: float | None) -> None:
@@ -170,7 +174,7 @@ class MarkerPanel(QWidget):
         self.undo.setEnabled(bool(marks) and self.button.isEnabled())
         self.list.clear()
         for mark in reversed(marks):
-            place = "" if mark.chainage_m is None else f"   {number_text(round(mark.chainage_m, 2))} m"
+            place = "" if mark.chainage_m is None else f"   {quantities().length(mark.chainage_m, 2)}"
             self.list.addItem(f"{clock_text(mark.time_s)}   {mark.name}{place}")
         if not marks:
             self.list.addItem(self.tr("No markers yet"))

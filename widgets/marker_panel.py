@@ -20,7 +20,8 @@ from PySide6.QtWidgets import (
 from processing.survey import TiePoint
 from widgets.throttle import Throttle
 from widgets.tie_point_panel import Index, TiePointModel
-from widgets.vocabulary import number, warning_colour
+from widgets.units import length_unit, quantities
+from widgets.vocabulary import length_cell, warning_colour
 
 FIELDS = ("enabled", "name", "time_s", "chainage_m", "sigma_m", "residual", "left_out")
 FIT_EVERY_MS = 400
@@ -57,7 +58,7 @@ class MarkerModel(TiePointModel):
             "left_out": self.tr("Without it"),
             "enabled": "✓",
             "time_s": self.tr("Time (s)"),
-            "chainage_m": self.tr("At (m)"),
+            "chainage_m": self.tr("At ({unit})").format(unit=length_unit().sign),
             "sigma_m": self.tr("± 1σ"),
         }
         return titles.get(field) or super().title(field)
@@ -93,14 +94,14 @@ class MarkerModel(TiePointModel):
     def _text(self, check: MarkerCheck, column: int) -> str:
         if column == RESIDUAL:
             mark = "✗ " if check.doubted else ""
-            return f"{mark}{number(check.residual_m, 2)}"
-        return f"{number(check.left_out_m, 1)} ± {number(check.left_out_95_m, 1)}"
+            return f"{mark}{length_cell(check.residual_m, 2)}"
+        return f"{length_cell(check.left_out_m)} ± {length_cell(check.left_out_95_m)}"
 
     def _tip(self, check: MarkerCheck) -> str:
         if check.doubted:
             return self.tr("All others contradict it, so it is not believed: check its place and its time.")
-        return self.tr("If we had not known it, the path would have been off here by {metres} m.").format(
-            metres=number(abs(check.left_out_m), 1)
+        return self.tr("If we had not known it, the path would have been off here by {length}.").format(
+            length=quantities().length(abs(check.left_out_m))
         )
 
 

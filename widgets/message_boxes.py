@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QMessageBox, QPushButton, QWidget
 
 from processing import messages
 from processing.errors import LeaklineError
+from widgets.units import quantities
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class MessageBoxes:
 
     def error(self, error: LeaklineError) -> None:
         """Tell what the user can mend."""
-        self.tell(messages.error_sentence(error, self.language))
+        self.tell(messages.error_sentence(error, self.language, quantities().units))
 
     def tell(self, text: str) -> None:
         """Tell something that needs a look before going on."""

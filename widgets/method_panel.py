@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from widgets.compared_paths import swatch
+from widgets.units import quantities
 from widgets.vocabulary import number
 
 ROW_HEIGHT = 40
@@ -165,7 +166,7 @@ class MethodPanel(QWidget):
     def _tip(self, outcome: Outcome | None) -> str:
         if outcome is None or outcome.trouble:
             return outcome.trouble if outcome is not None else ""
-        return self.tr("Way found: {metres} m").format(metres=number(outcome.length_m, 1))
+        return self.tr("Way found: {length}").format(length=quantities().length(outcome.length_m))
 
     def set_busy(self, busy: bool) -> None:
         """While methods are tried, no others can be."""
@@ -213,4 +214,4 @@ class MethodPanel(QWidget):
 def _metres(value: float | None, *, signed: bool = False) -> str:
     if value is None:
         return "–"
-    return f"{'+' if signed and value > 0 else ''}{number(value, 2)} m"
+    return f"{'+' if signed and value > 0 else ''}{quantities().length(value, 2)}"

@@ -24,6 +24,14 @@ def number_text(value: float | None) -> str:
     return f"{value:.10g}".replace(".", QLocale().decimalPoint()).replace("-", "−")
 
 
+def converted_text(value: float | None, factor: float) -> str:
+    """Return ``value / factor`` as text; of a unit that is no power of ten (feet, inches) four decimals are enough."""
+    if value is None:
+        return ""
+    decimal = abs(math.log10(factor) - round(math.log10(factor))) < 1e-9
+    return number_text(value / factor if decimal else round(value / factor, 4) + 0.0)
+
+
 class OptionalNumber(QLineEdit):
     """Holds ``value / factor``: a radius kept in metres is typed in millimetres with ``factor`` 0.001."""
 
@@ -54,8 +62,11 @@ class OptionalNumber(QLineEdit):
     def set_value(self, value: float | None) -> None:
         """Show a number without a signal."""
         self._value = value
-        self.setText(number_text(None if value is None else value / self._factor))
+        self.setText(self._text())
         self._mark(good=True)
+
+    def _text(self) -> str:
+        return converted_text(self._value, self._factor)
 
     def _parsed(self) -> tuple[bool, float | None]:
         try:
@@ -71,6 +82,9 @@ class OptionalNumber(QLineEdit):
         self._mark(good=self._parsed()[0])
 
     def _on_finished(self) -> None:
+        if self.text() == self._text():  # in feet it may stand there rounded: who typed nothing changes nothing
+            self._mark(good=True)
+            return
         good, value = self._parsed()
         if not good:
             self.set_value(self._value)  # back to what was there
@@ -81,7 +95,7 @@ class OptionalNumber(QLineEdit):
     def _mark(self, *, good: bool) -> None:
         self.setStyleSheet("" if good else "QLineEdit { border: 2px solid #c62828; }")
         text = self.tr("Allowed: {low} … {high}").format(
-            low=number_text(self._low / self._factor) if math.isfinite(self._low) else "−∞",
-            high=number_text(self._high / self._factor) if math.isfinite(self._high) else "∞",
+            low=converted_text(self._low, self._factor) if math.isfinite(self._low) else "−∞",
+            high=converted_text(self._high, self._factor) if math.isfinite(self._high) else "∞",
         )
         self.setToolTip("" if good else text)

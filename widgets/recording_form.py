@@ -7,34 +7,53 @@ from pathlib import Path
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFormLayout, QHBoxLayout, QLabel, QLineEdit, QPlainTextEdit, QPushButton, QWidget
 
+from processing.quantities import METRES_PER_US_FOOT
 from processing.survey import Motion, Survey
+from widgets import units
 from widgets.optional_number import OptionalNumber, parse_number
 from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import motion_text
 
 _HEIGHT = 40
+_METRES = {"m": 1.0, "ft": METRES_PER_US_FOOT}
 ExpectedPlaces = tuple[tuple[str, float | None], ...]
 
 
 def parse_places(text: str) -> ExpectedPlaces:
-    """Return the places of a list, one a line: ``valve 12 120.5`` is the name and its chainage in metres."""
+    """Return the places of a list, one a line: ``valve 12 120.5`` is the name and its chainage, metres.
+
+    A number followed by ``m`` or ``ft`` says its unit; one without is in that of the window.
+    """
     places: list[tuple[str, float | None]] = []
     for line in text.splitlines():
         words = line.replace(";", " ").replace("=", " ").split()
         if not words:
             continue
-        unit = len(words) > 2 and words[-1] == "m"
-        bare = words[:-1] if unit else words
+        unit = _METRES.get(words[-1]) if len(words) > 2 else None
+        bare = words[:-1] if unit is not None else words
         chainage_m: float | None = None
         # a lone number at the end of a name is its chainage only where a name is left: "valve 12" is a name
-        if len(bare) > 1 and (unit or len(bare) > 2 or any(sign in line for sign in ";=")):
+        if len(bare) > 1 and (unit is not None or len(bare) > 2 or any(sign in line for sign in ";=")):
             try:
                 chainage_m = parse_number(bare[-1])
             except ValueError:
                 chainage_m = None
+        if chainage_m is not None:
+            chainage_m *= units.length_unit().factor if unit is None else unit
         name = " ".join(bare[:-1] if chainage_m is not None else words)
         places.append((name, chainage_m))
     return tuple(places)
+
+
+def with_units(text: str) -> str:
+    """Return the list with the unit written behind every chainage: so it means the same in another unit's window."""
+    lines = []
+    for line in text.splitlines():
+        told = parse_places(line)
+        has_unit = line.split()[-1:] and line.split()[-1] in _METRES
+        bare = not told or told[0][1] is None or has_unit
+        lines.append(line if bare else f"{line.rstrip()} {units.length_unit().sign}")
+    return "\n".join(lines)
 
 
 class RecordingForm(QWidget):
@@ -54,15 +73,15 @@ class RecordingForm(QWidget):
         self._motion.setMinimumHeight(_HEIGHT)
         for motion in Motion:
             self._motion.addItem(motion_text(motion), motion)
-        self._diameter = self._number("recording_diameter", 0.01, 10.0, 0.001)
-        self._radius = self._number("recording_radius", 0.005, 2.0, 0.001)
+        self._diameter = self._number("recording_diameter", 0.01, 10.0, units.small_unit().factor)
+        self._radius = self._number("recording_radius", 0.005, 2.0, units.small_unit().factor)
         self._planned = self._number("recording_planned", 60.0, 86_400.0, 60.0)
         self._places = QPlainTextEdit()
         self._places.setObjectName("recording_places")
         self._places.setTabChangesFocus(True)
         self._places.setMaximumHeight(72)
         self._places.setPlaceholderText(self.tr("valve 12 = 120.5\nhydrant 3 = 240"))
-        self._places.setToolTip(self.tr("Places the device will pass, one a line: name = metres from the launch"))
+        self._places.setToolTip(self.tr("Places the device will pass, one a line: name = distance from the launch"))
         self._places.textChanged.connect(self.changed)
         self._where = QLabel()
         self._where.setWordWrap(True)
@@ -79,8 +98,9 @@ class RecordingForm(QWidget):
         form.addRow(self.tr("Name"), self._name)
         form.addRow(self.tr("Operator"), self._operator)
         form.addRow(self.tr("The device is"), self._motion)
-        form.addRow(self.tr("Rolling radius (mm)"), self._radius)
-        form.addRow(self.tr("Inner diameter (mm)"), self._diameter)
+        small = units.small_unit().sign
+        form.addRow(self.tr("Rolling radius ({unit})").format(unit=small), self._radius)
+        form.addRow(self.tr("Inner diameter ({unit})").format(unit=small), self._diameter)
         form.addRow(self.tr("Planned time (min)"), self._planned)
         form.addRow(self.tr("Places on the way"), self._places)
         row = QHBoxLayout()
@@ -126,8 +146,8 @@ class RecordingForm(QWidget):
 
     @property
     def places_text(self) -> str:
-        """The places as they were typed."""
-        return self._places.toPlainText()
+        """The places as they were typed, with the unit of each."""
+        return with_units(self._places.toPlainText())
 
     def set_survey(self, survey: Survey) -> None:
         """Show a survey without a signal."""

@@ -19,7 +19,8 @@ from PySide6.QtWidgets import (
 from processing.survey import Verdict
 from widgets.candidate_row import CandidateRow
 from widgets.quiet_combo import QuietCombo
-from widgets.vocabulary import class_text, half_width_m, number, verdict_text
+from widgets.units import quantities
+from widgets.vocabulary import class_text, half_width_m, length_cell, place_cell, place_title, verdict_text, width_title
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class ReportPanel(QWidget):
             text = self.tr("This is a draft: candidates undecided or unsure: {count}").format(count=open_ones)
             parts.append(f"<p><b>{escape(text)}</b></p>")
         if preview.length_m is not None:
-            parts.append(f"<p>{escape(self.tr('Length of the path'))}: {number(preview.length_m, 1)} m</p>")
+            parts.append(f"<p>{escape(self.tr('Length of the path'))}: {quantities().length(preview.length_m)}</p>")
         if preview.not_assessed_count:
             text = self.tr("Stretches not assessed, listed in the report: {count}")
             parts.append(f"<p>{escape(text.format(count=preview.not_assessed_count))}</p>")
@@ -137,8 +138,8 @@ class ReportPanel(QWidget):
             self.tr("No."),
             self.tr("Verdict"),
             self.tr("Class"),
-            self.tr("At (m)"),
-            self.tr("± (m)"),
+            place_title(),
+            width_title(),
             self.tr("Note"),
         )
         cells = "".join(f"<th align='left'>{escape(h)}</th>" for h in head)
@@ -148,8 +149,8 @@ class ReportPanel(QWidget):
                 row.name,
                 verdict_text(row.decision.verdict),
                 class_text(row.decision.leak_class or row.candidate.leak_class),
-                number(row.candidate.chainage_m, 1),
-                number(half_width_m(row.candidate), 1),
+                place_cell(row.candidate.chainage_m),
+                length_cell(half_width_m(row.candidate)),
                 row.decision.note,
             )
             lines.append("<tr>" + "".join(f"<td>{escape(v)}</td>" for v in values) + "</tr>")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from PySide6.QtCore import QLocale, Qt, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
     QDialog,
@@ -25,7 +25,8 @@ from processing.importing.route_files.building import FROM_LAUNCH, BuiltRoute
 from processing.importing.route_files.crs import CrsEntry, crs_name
 from processing.importing.route_files.lines import RouteFile
 from processing.importing.route_files.proposal import RouteAnswer, RouteProposal, pieces_of
-from processing.survey import Survey
+from processing.survey import Finding, Survey
+from widgets import units
 from widgets.crs_field import CrsField
 from widgets.optional_number import OptionalNumber
 from widgets.plot_theme import LIGHT, Theme
@@ -65,7 +66,7 @@ class RouteDialog(QDialog):
         self._connect = self._button("route_connect", self.tr("Add what lies between"))
         self._connect.setToolTip(self.tr("Choose also the lines that connect the chosen ones by the shortest way"))
         self._connect.clicked.connect(lambda: self._change(connect=True))
-        self._gap = OptionalNumber(0.0, 1000.0)
+        self._gap = OptionalNumber(0.0, 1000.0, factor=units.length_unit().factor)
         self._gap.setObjectName("route_gap")
         self._gap.value_changed.connect(self._on_gap)
         self._reverse = self._button("route_reverse", self.tr("Turn round"))
@@ -92,7 +93,7 @@ class RouteDialog(QDialog):
         ):
             self._unit.addItem(text, unit_m)
         self._unit.activated.connect(lambda _index: self._change(unit_m=self._unit.currentData(), reverse=None))
-        self._sigma = OptionalNumber(0.01, 100.0)
+        self._sigma = OptionalNumber(0.01, 100.0, factor=units.length_unit().factor)
         self._sigma.setObjectName("route_sigma")
         self._sigma.value_changed.connect(self._on_sigma)
         self._sigma.setToolTip(self.tr("How far the pipe may lie from the line of the map (one standard deviation)"))
@@ -153,7 +154,9 @@ class RouteDialog(QDialog):
         self.table.setMinimumHeight(150)
         grid.addWidget(self.table, 0, 0, 1, 3)
         grid.addWidget(self._connect, 1, 0)
-        grid.addWidget(_labelled(self.tr("Join gaps up to (m)"), self._gap), 1, 1)
+        grid.addWidget(
+            _labelled(self.tr("Join gaps up to ({unit})").format(unit=units.length_unit().sign), self._gap), 1, 1
+        )
         grid.addWidget(self._gap, 1, 2)
         self._gap.setMaximumWidth(80)
         return box
@@ -172,7 +175,9 @@ class RouteDialog(QDialog):
         box = QGroupBox(self.tr("Direction and accuracy"))
         grid = QGridLayout(box)
         grid.addWidget(self._reverse, 0, 0)
-        grid.addWidget(_labelled(self.tr("Map accuracy ± 1σ (m)"), self._sigma), 0, 1)
+        grid.addWidget(
+            _labelled(self.tr("Map accuracy ± 1σ ({unit})").format(unit=units.length_unit().sign), self._sigma), 0, 1
+        )
         grid.addWidget(self._sigma, 0, 2)
         self._sigma.setMaximumWidth(80)
         grid.addWidget(self._clip, 1, 0, 1, 3)
@@ -202,8 +207,11 @@ class RouteDialog(QDialog):
         drawing = file.crs is None
         self._unit.setVisible(drawing)
         self._unit_label.setVisible(drawing)
-        self._findings = [messages.finding_sentence(finding, self._language) for finding in file.findings]
+        self._findings = [self._sentence(finding) for finding in file.findings]
         self._show_answer()
+
+    def _sentence(self, finding: Finding) -> str:
+        return messages.finding_sentence(finding, self._language, units.quantities().units)
 
     def show_proposal(self, proposal: RouteProposal) -> None:
         """Show what the answer gives; one that is no longer asked for is passed over."""
@@ -246,16 +254,21 @@ class RouteDialog(QDialog):
             self._length.setText("")
             self._told.setText(self._why_not(error))
             return
-        texts = [self.tr("Route: {length} m").format(length=_number(built.length_m))]
+        told = units.quantities()
+        texts = [self.tr("Route: {length}").format(length=told.length(built.length_m))]
         if self._pipe_m is not None:
-            differs = self.tr("surveyed length {length} m, difference {difference} m")
-            difference = f"{built.length_m - self._pipe_m:+.1f}".replace(".", QLocale().decimalPoint())
-            texts.append(differs.format(length=_number(self._pipe_m), difference=difference))
+            differs = self.tr("surveyed length {length}, difference {difference}")
+            off_m = built.length_m - self._pipe_m
+            difference = f"{'+' if off_m > 0.0 else ''}{told.length(off_m)}"
+            texts.append(differs.format(length=told.length(self._pipe_m), difference=difference))
         if built.launch_off_m is not None:
-            texts.append(self.tr("{off} m from the launch").format(off=_number(built.launch_off_m)))
+            texts.append(self.tr("{off} from the launch").format(off=told.length(built.launch_off_m)))
         self._length.setText("   ·   ".join(texts))
-        told = [*self._findings, *(messages.finding_sentence(f, self._language) for f in built.findings)]
-        self._told.setText("\n".join(told))
+        found = [
+            *self._findings,
+            *(self._sentence(f) for f in built.findings),
+        ]
+        self._told.setText("\n".join(found))
 
     def _why_not(self, error: LeaklineError | None) -> str:
         if error is None:
@@ -264,7 +277,7 @@ class RouteDialog(QDialog):
             return self.tr("The file does not say its coordinate system: choose it, or the drawing's own metres.")
         if error.code is ErrorCode.ROUTE_NOT_ONE_LINE and error.params.get("lines") == 0:
             return self.tr("Tap the line that the run followed, in the map or in the list.")
-        return messages.error_sentence(error, self._language)
+        return messages.error_sentence(error, self._language, units.quantities().units)
 
     # --- what the operator does ---
 
@@ -305,7 +318,3 @@ def _labelled(text: str, widget: QWidget) -> QLabel:
     label.setBuddy(widget)
     widget.setAccessibleName(text)
     return label
-
-
-def _number(metres: float) -> str:
-    return f"{metres:.1f}".replace(".", QLocale().decimalPoint())

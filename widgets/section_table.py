@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QLocale, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView, QWidget
 
 from processing.importing.route_files.joining import Section
+from widgets.units import quantities
 
 Index = QModelIndex | QPersistentModelIndex
 ROOT = QModelIndex()
@@ -46,7 +47,12 @@ class SectionModel(QAbstractTableModel):
         """Qt: the column titles."""
         if role != Qt.ItemDataRole.DisplayRole or orientation is not Qt.Orientation.Horizontal:
             return None
-        return (self.tr("Use"), self.tr("Line"), self.tr("Length (m)"), self.tr("Layer"))[section]
+        return (
+            self.tr("Use"),
+            self.tr("Line"),
+            self.tr("Length ({unit})").format(unit=quantities().length_unit),
+            self.tr("Layer"),
+        )[section]
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         """Qt: what can be done with a cell."""
@@ -64,7 +70,8 @@ class SectionModel(QAbstractTableModel):
         if role not in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
             return None
         if column == LENGTH:
-            return f"{self._lengths_m[row]:.1f}".replace(".", QLocale().decimalPoint())
+            told = quantities()
+            return told.number(self._lengths_m[row] * told.length_factor, 1)
         section = self._sections[row]
         return section.layer if column == LAYER else section.name or self.tr("line {number}").format(number=row + 1)
 

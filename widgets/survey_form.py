@@ -21,8 +21,9 @@ from PySide6.QtWidgets import (
 )
 
 from processing.survey import AudioInfo, Motion, Route, Survey
+from widgets import units
 from widgets.method_panel import MethodRow
-from widgets.optional_number import OptionalNumber, number_text
+from widgets.optional_number import OptionalNumber
 from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import motion_text
 
@@ -71,18 +72,19 @@ class SurveyForm(QWidget):
         self._motion = self._combo("motion")
         for motion in Motion:
             self._motion.addItem(motion_text(motion), motion)
-        self._radius = self._number("radius", 0.005, 2.0, factor=0.001)
+        small, length, pressure = units.small_unit(), units.length_unit(), units.pressure_unit()
+        self._radius = self._number("radius", 0.005, 2.0, factor=small.factor)
         self._material = self._combo("material")
         self._material.setEditable(True)
         self._material.addItems(["", *self._materials()])
         line = self._material.lineEdit()
         if line is not None:
             line.editingFinished.connect(self._changed)
-        self._diameter = self._number("diameter", 0.01, 10.0, factor=0.001)
-        self._length = self._number("length", 0.1, 1e6, hint=self.tr("unknown"))
-        self._joints = self._number("joint_spacing", 0.5, 100.0, hint=self.tr("found by itself"))
-        self._joints.setToolTip(self.tr("Length of one pipe from joint to joint: the bumps then count the metres"))
-        self._pressure = self._number("pressure", 0.01, 100.0, hint=self.tr("unknown"))
+        self._diameter = self._number("diameter", 0.01, 10.0, factor=small.factor)
+        self._length = self._number("length", 0.1, 1e6, factor=length.factor, hint=self.tr("unknown"))
+        self._joints = self._number("joint_spacing", 0.5, 100.0, factor=length.factor, hint=self.tr("found by itself"))
+        self._joints.setToolTip(self.tr("Length of one pipe from joint to joint: the bumps then count the way"))
+        self._pressure = self._number("pressure", 0.01, 100.0, factor=pressure.factor, hint=self.tr("unknown"))
         self._pressure.setToolTip(self.tr("In the pipe during the run: the size of leaks is told with it"))
         self._preset = self._combo("preset")
         self._preset.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
@@ -93,12 +95,12 @@ class SurveyForm(QWidget):
         return self._box(
             self.tr("Device and pipe"),
             (self.tr("The device is"), self._motion),
-            (self.tr("Rolling radius (mm)"), self._radius),
+            (self.tr("Rolling radius ({unit})").format(unit=small.sign), self._radius),
             (self.tr("Pipe material"), self._material),
-            (self.tr("Inner diameter (mm)"), self._diameter),
-            (self.tr("Surveyed length (m)"), self._length),
-            (self.tr("Joint to joint (m)"), self._joints),
-            (self.tr("Pressure (bar)"), self._pressure),
+            (self.tr("Inner diameter ({unit})").format(unit=small.sign), self._diameter),
+            (self.tr("Surveyed length ({unit})").format(unit=length.sign), self._length),
+            (self.tr("Joint to joint ({unit})").format(unit=length.sign), self._joints),
+            (self.tr("Pressure ({unit})").format(unit=pressure.sign), self._pressure),
             (self.tr("Sound preset"), self._preset),
             ("", self._presets),
         )
@@ -134,7 +136,8 @@ class SurveyForm(QWidget):
         self._north = self._number("north", -1e8, 1e8, hint=unknown)
         self._crs = self._line("crs")
         self._crs.setPlaceholderText("EPSG:5254")
-        self._elevation = self._number("elevation", -500.0, 9000.0, hint=unknown)
+        height = units.length_unit()
+        self._elevation = self._number("elevation", -500.0, 9000.0, factor=height.factor, hint=unknown)
         self._heading = self._number("heading", -360.0, 360.0, hint=unknown)
         return self._box(
             self.tr("Launch point"),
@@ -143,7 +146,7 @@ class SurveyForm(QWidget):
             (self.tr("or East (m)"), self._east),
             (self.tr("and North (m)"), self._north),
             (self.tr("in the system"), self._crs),
-            (self.tr("Elevation (m)"), self._elevation),
+            (self.tr("Elevation ({unit})").format(unit=height.sign), self._elevation),
             (self.tr("First heading (° from north)"), self._heading),
         )
 
@@ -175,13 +178,13 @@ class SurveyForm(QWidget):
             return
         length_m = sum(math.dist(a, b) for a, b in pairwise(route.points))
         system = self.tr("local metres") if route.crs == "local" else route.crs
-        text = self.tr("{length} m, {count} points, {system}, ± {sigma} m (1σ)")
+        text = self.tr("{length}, {count} points, {system}, ± {sigma} (1σ)")
         self._route.setText(
             text.format(
-                length=number_text(round(length_m, 1)),
+                length=units.quantities().length(length_m),
                 count=len(route.points),
                 system=system,
-                sigma=number_text(route.sigma_m),
+                sigma=units.quantities().length(route.sigma_m),
             )
         )
 

@@ -17,7 +17,8 @@ from PySide6.QtWidgets import (
 )
 
 from processing.survey import Launch, TiePoint
-from widgets.optional_number import number_text, parse_number
+from widgets.optional_number import converted_text, number_text, parse_number
+from widgets.units import length_unit
 
 Index = QModelIndex | QPersistentModelIndex
 ROOT = QModelIndex()
@@ -26,6 +27,16 @@ FIELDS = (
 )  # fmt: skip
 DEGREES = ("latitude", "longitude")  # a millimetre needs eight decimals
 REQUIRED = ("time_s", "sigma_m")
+LENGTHS = ("chainage_m", "sigma_m", "up_m")  # east and north are coordinates: in the metres of their system
+
+
+def factor_of(field: str) -> float:
+    """Return how much one of the unit that a field is shown in is in the survey's unit."""
+    return length_unit().factor if field in LENGTHS else 1.0
+
+
+def _short(value: float) -> str:
+    return number_text(round(value, 3))
 
 
 class TiePointModel(QAbstractTableModel):
@@ -72,13 +83,13 @@ class TiePointModel(QAbstractTableModel):
             "enabled": self.tr("Use"),
             "name": self.tr("Name"),
             "time_s": self.tr("Time (s)"),
-            "chainage_m": self.tr("Chainage (m)"),
-            "sigma_m": self.tr("± 1σ (m)"),
+            "chainage_m": self.tr("Chainage ({unit})").format(unit=length_unit().sign),
+            "sigma_m": self.tr("± 1σ ({unit})").format(unit=length_unit().sign),
             "latitude": self.tr("Latitude"),
             "longitude": self.tr("Longitude"),
             "east_m": self.tr("East (m)"),
             "north_m": self.tr("North (m)"),
-            "up_m": self.tr("Up (m)"),
+            "up_m": self.tr("Up ({unit})").format(unit=length_unit().sign),
         }
         return titles[field]
 
@@ -98,8 +109,11 @@ class TiePointModel(QAbstractTableModel):
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.EditRole):
             if isinstance(value, str):
                 return value
-            whole = role == Qt.ItemDataRole.EditRole or value is None or self._fields[index.column()] in DEGREES
-            return number_text(value if whole else round(value, 3))
+            name = self._fields[index.column()]
+            if value is None or name in DEGREES:
+                return number_text(value)
+            factor = factor_of(name)
+            return converted_text(value, factor) if role == Qt.ItemDataRole.EditRole else _short(value / factor)
         return None
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:  # noqa: ANN401
@@ -115,6 +129,9 @@ class TiePointModel(QAbstractTableModel):
                 new = parse_number(str(value))
             except ValueError:
                 return False
+            if str(value) == self.data(index, Qt.ItemDataRole.EditRole):
+                return True  # in feet it may stand there rounded: who typed nothing changes nothing
+            new = None if new is None else new * factor_of(name)
             if (name in REQUIRED and new is None) or (name == "sigma_m" and new <= 0.0):
                 return False
         changed = replace(self.points[index.row()], **{name: new})

@@ -3,9 +3,11 @@
 from PySide6.QtCore import QT_TRANSLATE_NOOP, QCoreApplication, QLocale, QPointF, Qt
 from PySide6.QtGui import QColor, QGuiApplication, QIcon, QPainter, QPixmap
 
+from processing.quantities import Places
 from processing.sound.sizes import LeakSize, SizeClass
 from processing.survey import Candidate, LeakClass, Motion, Severity, Verdict
 from widgets.plot_theme import Theme, paint_verdict
+from widgets.units import quantities
 
 DARK_BELOW = 128  # of 255
 
@@ -35,6 +37,8 @@ _MOTIONS: dict[Motion, str] = {
     Motion.CARRIED: str(QT_TRANSLATE_NOOP("Vocabulary", "carried or pulled")),
     Motion.FOOT: str(QT_TRANSLATE_NOOP("Vocabulary", "on a foot")),
 }
+_AT_UNIT = str(QT_TRANSLATE_NOOP("Vocabulary", "At ({unit})"))
+_AT = str(QT_TRANSLATE_NOOP("Vocabulary", "At"))
 _SEVERITIES: dict[Severity, str] = {
     Severity.INFO: str(QT_TRANSLATE_NOOP("Vocabulary", "good to know")),
     Severity.REPAIRED: str(QT_TRANSLATE_NOOP("Vocabulary", "repaired")),
@@ -111,8 +115,39 @@ def warning_colour() -> QColor:
 
 
 def place_text(candidate: Candidate) -> str:
-    """Return a candidate's chainage with its ±, without the unit: never one without the other."""
-    return f"{number(candidate.chainage_m, 1)} ± {number(half_width_m(candidate), 1)}"
+    """Return a candidate's place with its ±, each with its unit: never one without the other."""
+    return place_and_width(candidate.chainage_m, half_width_m(candidate))
+
+
+def place_and_width(chainage_m: float | None, half_m: float | None) -> str:
+    """Return a place and its 95 % ±: ``123.4 m ± 1.2 m``, ``0+123.4 ± 1.2 m``, ``404.9 ft ± 3.9 ft``."""
+    told = quantities()
+    return f"{told.place(chainage_m)} ± {told.length(half_m)}"
+
+
+def place_title() -> str:
+    """Return the title of a column of places: with the unit, except where the figures are stations."""
+    told = quantities()
+    if told.places is Places.STATIONING:
+        return _words(_AT)
+    return _words(_AT_UNIT).format(unit=told.length_unit)
+
+
+def width_title() -> str:
+    """Return the title of a column of 95 % half-widths."""
+    return f"± {quantities().length_unit}"
+
+
+def place_cell(chainage_m: float | None) -> str:
+    """Return a place for a column that :func:`place_title` stands over."""
+    told = quantities()
+    return told.place(chainage_m) if told.places is Places.STATIONING else length_cell(chainage_m)
+
+
+def length_cell(metres: float | None, digits: int = 1) -> str:
+    """Return a length for a column whose title has the unit."""
+    told = quantities()
+    return told.number(None if metres is None else metres * told.length_factor, digits)
 
 
 def verdict_icon(theme: Theme, verdict: Verdict, size: int = 24) -> QIcon:

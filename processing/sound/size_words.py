@@ -3,6 +3,7 @@
 import math
 
 from processing import messages
+from processing.quantities import Units
 from processing.sound.sizes import LeakSize, SizeClass
 
 
@@ -16,20 +17,21 @@ def size_name(size: LeakSize, language: str) -> str:
     return messages.text("sizes", "either", language, first=names[0], second=names[1])
 
 
-def size_sentence(size: LeakSize, language: str) -> str:
+def size_sentence(size: LeakSize, language: str, units: Units = Units.METRIC) -> str:
     """Return the size with what it rests on; empty where it is unknown."""
     if size.size is SizeClass.UNKNOWN or size.basis == "none":
         return ""
     conditions = []
     if math.isfinite(size.speed_mps) and size.basis != "itself":
-        conditions.append(messages.text("sizes", "at_speed", language, speed=size.speed_mps))
+        conditions.append(messages.text_in(units, "sizes", "at_speed", language, speed=size.speed_mps))
     if size.pressure_bar is not None:
-        conditions.append(messages.text("sizes", "at_pressure", language, pressure=size.pressure_bar))
+        conditions.append(messages.text_in(units, "sizes", "at_pressure", language, pressure=size.pressure_bar))
     else:
-        conditions.append(messages.text("sizes", "no_pressure", language))
+        conditions.append(messages.text_in(units, "sizes", "no_pressure", language))
     key = {"excess": "by_excess", "known_leak": "by_known", "itself": "itself"}[size.basis]
     flow = size.flow_lpm or (math.nan, math.nan)
-    return messages.text(
+    return messages.text_in(
+        units,
         "sizes",
         key,
         language,

@@ -48,8 +48,16 @@
         <translation>İmleçte bir seçim başlatır; ikinci basışta orada bitirir</translation>
     </message>
     <message>
+        <source>Begin measuring at the cursor; the second time, end there; the third time, remove it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Begin the recording; to stop it, press twice within three seconds</source>
         <translation>Kaydı başlatır; durdurmak için üç saniye içinde iki kez basın</translation>
+    </message>
+    <message>
+        <source>Brighter</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Bring the cursor and all views to the selected candidate</source>
@@ -60,8 +68,16 @@
         <translation>Spektrogramın renklerini değiştirir</translation>
     </message>
     <message>
+        <source>Choose class and least score of the candidates that the list shows</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Class</source>
         <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>Clear filter</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Clear verdict</source>
@@ -156,12 +172,28 @@
         <translation>Dosyalar, bulgular, form ve bağlama noktaları</translation>
     </message>
     <message>
+        <source>Filter by class and score…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Find a leak between two fixed sensors from their recordings</source>
         <translation>İki sabit algılayıcının kayıtlarından aralarındaki kaçağı bulun</translation>
     </message>
     <message>
+        <source>Fixed contrast</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Follow the playback</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Full screen</source>
         <translation>Tam ekran</translation>
+    </message>
+    <message>
+        <source>Gallery</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Go on without the mapped route; the path is computed again</source>
@@ -180,6 +212,10 @@
         <translation>Adaya git</translation>
     </message>
     <message>
+        <source>Go to the candidate above without a verdict</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Go to the next candidate without a verdict</source>
         <translation>Karar verilmemiş sonraki adaya gider</translation>
     </message>
@@ -194,6 +230,10 @@
     <message>
         <source>Help</source>
         <translation>Yardım</translation>
+    </message>
+    <message>
+        <source>Hide more of what is quiet</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>How to go from folder to report</source>
@@ -228,12 +268,44 @@
         <translation>İkinci bir bakış için açık bırakır; karar bekleyen sonraki adaya geçer</translation>
     </message>
     <message>
+        <source>Let a drag in any view measure instead of pan</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Let a drag in the spectrogram select instead of pan</source>
         <translation>Spektrogramda sürüklemek kaydırmak yerine seçim yapar</translation>
     </message>
     <message>
-        <source>Let the colours fit what is visible now; they stay so</source>
-        <translation>Renkleri şu anda görünene göre ayarlar; öyle kalırlar</translation>
+        <source>Let the colours begin 3 dB louder; that is kept</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the colours begin 3 dB quieter; that is kept</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the colours end 3 dB louder; that is kept</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the colours end 3 dB quieter; that is kept</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the colours fit what is visible now; they stay so, and the bar says auto</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the colours span the fixed decibels again, the same for every recording</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let the cursor move the other end of what is measured</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Listen on arrival</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Mark</source>
@@ -242,6 +314,18 @@
     <message>
         <source>Mark a leak here</source>
         <translation>Buraya kaçak işareti koy</translation>
+    </message>
+    <message>
+        <source>Measure</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure by dragging</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure from here</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Measure the selection as A, against what lies around it</source>
@@ -254,6 +338,18 @@
     <message>
         <source>Metres or seconds</source>
         <translation>Metre ya da saniye</translation>
+    </message>
+    <message>
+        <source>Move mark back</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Move mark forward</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Move mark to the cursor</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Move the cursor one second back</source>
@@ -280,12 +376,28 @@
         <translation>İmleci on saniye ilerletir</translation>
     </message>
     <message>
+        <source>Move the other end</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Move the selected mark a fiftieth of what is shown away from the launch</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Move the selected mark a fiftieth of what is shown towards the launch</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Next candidate</source>
         <translation>Sonraki aday</translation>
     </message>
     <message>
         <source>Next colours</source>
         <translation>Sonraki renkler</translation>
+    </message>
+    <message>
+        <source>Next filter of the list</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Next theme: sun for outdoors, light, dark</source>
@@ -328,6 +440,10 @@
         <translation>Adayı tekrarlayarak çal</translation>
     </message>
     <message>
+        <source>Play each candidate in a loop as soon as it is selected, or only by key</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Play or pause</source>
         <translation>Çal ya da duraklat</translation>
     </message>
@@ -352,6 +468,10 @@
         <translation>Önceki aday</translation>
     </message>
     <message>
+        <source>Previous undecided</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Process again</source>
         <translation>Yeniden işle</translation>
     </message>
@@ -360,12 +480,20 @@
         <translation>Sesin fazla yüksek geldiğini bildiren ışığı söndürür</translation>
     </message>
     <message>
+        <source>Put the selected mark where the cursor is</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Quit</source>
         <translation>Çık</translation>
     </message>
     <message>
         <source>Raw or cleaned</source>
         <translation>Ham ya da temizlenmiş</translation>
+    </message>
+    <message>
+        <source>Recent surveys, recording, demonstration; what is open stays open</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Record</source>
@@ -388,6 +516,14 @@
         <translation>Reddet</translation>
     </message>
     <message>
+        <source>Reject all undecided candidates of the list below a score, in one step</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Reject below a score…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Remove route</source>
         <translation>Güzergâhı kaldır</translation>
     </message>
@@ -398,6 +534,10 @@
     <message>
         <source>Save diagnostics…</source>
         <translation>Tanılama dosyası kaydet…</translation>
+    </message>
+    <message>
+        <source>Say what each step still lacks, and lead there</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Say what it is: leak, valve, bend, pump …</source>
@@ -428,8 +568,24 @@
         <translation>Tümünü göster</translation>
     </message>
     <message>
-        <source>Show half of it, around the cursor (also Ctrl and wheel)</source>
-        <translation>İmlecin çevresinde yarısını gösterir (Ctrl ve tekerlek de olur)</translation>
+        <source>Show all candidates as pictures in metres, or go back; arrows choose, Enter opens, Z and X change the size</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Show all candidates in the list again</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Show all candidates, or only the undecided, unsure, confirmed or rejected ones</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Show half of it, around the cursor (wheel, or two fingers; with Ctrl up and down only)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Show more of what is quiet</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Show short events, steady sounds, or what is over the local background</source>
@@ -444,12 +600,12 @@
         <translation>Kayıt sayfasını açar: cihazlar, seviyeler, canlı güzergâh</translation>
     </message>
     <message>
-        <source>Show the whole run</source>
-        <translation>Bütün koşuyu gösterir</translation>
+        <source>Show the whole run (double click; on a leak it goes there)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
-        <source>Show twice as much, around the cursor (also Ctrl and wheel)</source>
-        <translation>İmlecin çevresinde iki katını gösterir (Ctrl ve tekerlek de olur)</translation>
+        <source>Show twice as much, around the cursor (wheel, or two fingers; Shift and wheel pans)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Show what speaks for and against a leak here, or the list again</source>
@@ -476,6 +632,10 @@
         <translation>Frekansları oktavlarla, eşit aralıklarla ya da kulağın duyduğu gibi dağıtır</translation>
     </message>
     <message>
+        <source>Start page</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Sun, light or dark</source>
         <translation>Güneş, açık ya da koyu</translation>
     </message>
@@ -494,6 +654,10 @@
     <message>
         <source>Take the verdict away and stay here</source>
         <translation>Kararı kaldırır ve burada kalır</translation>
+    </message>
+    <message>
+        <source>Tell loud sounds apart</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Tie point here</source>
@@ -516,12 +680,20 @@
         <translation>Bütün ekranı kaplar ya da geri döner</translation>
     </message>
     <message>
+        <source>What is missing</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>What will be written, and where</source>
         <translation>Ne yazılacak ve nereye</translation>
     </message>
     <message>
         <source>Which band is heard</source>
         <translation>Hangi bant duyulsun</translation>
+    </message>
+    <message>
+        <source>While it plays, turn pages, keep the cursor in the middle, or leave the view as it is</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Why a leak</source>
@@ -612,11 +784,42 @@
     </message>
 </context>
 <context>
-    <name>CandidateModel</name>
+    <name>BatchReject</name>
     <message>
-        <source>At (m)</source>
-        <translation>Yer (m)</translation>
+        <source> and {count} more</source>
+        <translation type="unfinished"></translation>
     </message>
+    <message>
+        <source>Close</source>
+        <translation>Kapat</translation>
+    </message>
+    <message>
+        <source>Decided ones and marks made by hand stay as they are. One undo takes it all back.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Reject below a score</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Reject what is undecided with a score below</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Reject {count}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Score</source>
+        <translation>Puan</translation>
+    </message>
+    <message>
+        <source>{count} of {all} undecided candidates in the list are below {score}.</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>CandidateModel</name>
     <message>
         <source>Chainage from the launch</source>
         <translation>Bırakma noktasından hat metresi</translation>
@@ -673,21 +876,9 @@
         <source>dB</source>
         <translation>dB</translation>
     </message>
-    <message>
-        <source>± m</source>
-        <translation>± m</translation>
-    </message>
 </context>
 <context>
     <name>CandidateTable</name>
-    <message>
-        <source>Best score first</source>
-        <translation>Puana göre</translation>
-    </message>
-    <message>
-        <source>From the launch on</source>
-        <translation>Hat metresine göre</translation>
-    </message>
     <message>
         <source>Leak candidates</source>
         <translation>Kaçak adayları</translation>
@@ -695,6 +886,10 @@
     <message>
         <source>Leaks have not been looked for yet.</source>
         <translation>Kaçaklar henüz aranmadı.</translation>
+    </message>
+    <message>
+        <source>No candidate fits the filter.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>No leak candidates were found. M marks one by hand at the cursor.</source>
@@ -705,16 +900,8 @@
         <translation>Eski yerler: yeniden yerleştir</translation>
     </message>
     <message>
-        <source>Order of the list</source>
-        <translation>Listenin sırası</translation>
-    </message>
-    <message>
         <source>Tie points were changed: these places are of the path before.</source>
         <translation>Bağlama noktaları değişti: bu yerler önceki yola göredir.</translation>
-    </message>
-    <message>
-        <source>{decided} of {all} decided</source>
-        <translation>Karar: {decided} / {all}</translation>
     </message>
 </context>
 <context>
@@ -1062,8 +1249,8 @@
         <translation>'Son farkı', yolun '{name}' noktasından ne kadar uzakta bittiğidir.</translation>
     </message>
     <message>
-        <source>'Length off' is measured against the pipe's length of {length} m.</source>
-        <translation>'Uzunluk farkı', borunun {length} m uzunluğuna göre ölçülür.</translation>
+        <source>'Length off' is measured against the pipe's length of {length}.</source>
+        <translation>'Uzunluk farkı', borunun {length} uzunluğuna göre ölçülür.</translation>
     </message>
     <message>
         <source>'Length off' is measured at '{name}'; nothing tells where the end lies.</source>
@@ -1404,8 +1591,8 @@
         <translation>Ara: kod, ad ya da ülke</translation>
     </message>
     <message>
-        <source>{metres} m from the launch</source>
-        <translation>bırakma noktasından {metres} m</translation>
+        <source>{length} from the launch</source>
+        <translation>bırakma noktasından {length}</translation>
     </message>
 </context>
 <context>
@@ -1454,10 +1641,6 @@
         <translation>Sınıf</translation>
     </message>
     <message>
-        <source>Class: {machine} (by the machine)</source>
-        <translation>Sınıf: {machine} (programa göre)</translation>
-    </message>
-    <message>
         <source>No candidate selected</source>
         <translation>Aday seçilmedi</translation>
     </message>
@@ -1468,6 +1651,10 @@
     <message>
         <source>Note (Enter)</source>
         <translation>Not (Enter)</translation>
+    </message>
+    <message>
+        <source>{machine} (machine)</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1582,22 +1769,149 @@
     </message>
 </context>
 <context>
+    <name>DigForm</name>
+    <message>
+        <source>Add photo…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Beside the path ({unit})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>By chainage</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>By coordinates</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>By tape</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Cause</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Chainage ({unit})</source>
+        <translation>Hat metresi ({unit})</translation>
+    </message>
+    <message>
+        <source>Coordinates</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Day of the dig</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Depth ({unit})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Dug by</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Dug by the report of</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Flow ({unit})</source>
+        <translation>Debi ({unit})</translation>
+    </message>
+    <message>
+        <source>Found at</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measured to ± ({unit})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Note</source>
+        <translation>Not</translation>
+    </message>
+    <message>
+        <source>Nothing</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save correction</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Save this dig</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Something else</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take back</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>as usual</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>away from it ▶</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>chainage</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>distance</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>latitude longitude, or east north</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>not measured</source>
+        <translation>ölçülmedi</translation>
+    </message>
+    <message>
+        <source>{unit} from the stated place</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>◀ towards the launch</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>Evidence</name>
     <message>
-        <source>95 % between {low} m and {high} m, passed at {time}.</source>
-        <translation>%95 olasılıkla {low} m ile {high} m arasında; geçiş zamanı {time}.</translation>
+        <source>95 % between {low} and {high}, passed at {time}.</source>
+        <translation>%95 olasılıkla {low} ile {high} arasında; geçiş zamanı {time}.</translation>
     </message>
     <message>
         <source>Leak with {percent} % probability; looks like: {kind}.</source>
         <translation>Kaçak olasılığı %{percent}; benzediği: {kind}.</translation>
     </message>
     <message>
+        <source>Leak {percent} % · looks like: {kind}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Marked by hand.</source>
         <translation>Elle işaretlendi.</translation>
     </message>
     <message>
-        <source>{level} dB above its surroundings from {low} to {high}, {width} m wide.</source>
-        <translation>{low} – {high} arasında çevresinden {level} dB yüksek, {width} m boyunca.</translation>
+        <source>{level} dB above its surroundings from {low} to {high}, {width} wide.</source>
+        <translation>{low} – {high} arasında çevresinden {level} dB yüksek, {width} boyunca.</translation>
     </message>
 </context>
 <context>
@@ -1725,8 +2039,8 @@
         <translation>Bu klasör daha önce işlenmiş: ölçümü açılıyor.</translation>
     </message>
     <message>
-        <source>Verdict without a candidate at {place} m: {verdict} {note}</source>
-        <translation>{place} m'de adayı kalmamış karar: {verdict} {note}</translation>
+        <source>Verdict without a candidate at {place}: {verdict} {note}</source>
+        <translation>Adayı kalmamış karar ({place}): {verdict} {note}</translation>
     </message>
     <message>
         <source>form</source>
@@ -1781,6 +2095,135 @@
     <message>
         <source>Still listening, {percent} %: beyond that it is a first look, one moment here and there</source>
         <translation>Dinleme sürüyor, %{percent}: ötesi ilk bakış, yalnızca yer yer alınmış anlar</translation>
+    </message>
+</context>
+<context>
+    <name>GalleryGrid</name>
+    <message>
+        <source>Gallery of the candidates</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>GalleryPanel</name>
+    <message>
+        <source>0  Clear</source>
+        <translation>0  Temizle</translation>
+    </message>
+    <message>
+        <source>1  Confirm</source>
+        <translation>1  Onayla</translation>
+    </message>
+    <message>
+        <source>2  Reject</source>
+        <translation>2  Reddet</translation>
+    </message>
+    <message>
+        <source>3  Unsure</source>
+        <translation>3  Kararsız</translation>
+    </message>
+    <message>
+        <source>Best score first</source>
+        <translation>Puana göre</translation>
+    </message>
+    <message>
+        <source>Each picture: ± {half} around the moment, colours from {low} to {high} dB. There is no path, so nothing can be said in metres.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Each picture: ± {half} around the place, colours from {low} to {high} dB. Brackets: 95 % interval. Strokes at the sides: band. Curve: level over the background, dashed: threshold.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Enter  Open</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>From the launch on</source>
+        <translation>Hat metresine göre</translation>
+    </message>
+    <message>
+        <source>Larger (Z)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>N  Filter</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No leak candidates were found. M marks one by hand on the leaks page.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>O  Leaks page</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Order of the gallery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Smaller pictures (X)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The filter hides all candidates. N shows the next filter.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{count} shown by the filter</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{decided} of {all} decided</source>
+        <translation>Karar: {decided} / {all}</translation>
+    </message>
+    <message>
+        <source>⇧Space  Listen</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>GuideControl</name>
+    <message>
+        <source>Data</source>
+        <translation>Veri</translation>
+    </message>
+    <message>
+        <source>Leaks</source>
+        <translation>Kaçaklar</translation>
+    </message>
+    <message>
+        <source>Path</source>
+        <translation>Yol</translation>
+    </message>
+    <message>
+        <source>Process</source>
+        <translation>İşle</translation>
+    </message>
+    <message>
+        <source>Report</source>
+        <translation>Rapor</translation>
+    </message>
+    <message>
+        <source>Sound</source>
+        <translation>Ses</translation>
+    </message>
+    <message>
+        <source>Tie points</source>
+        <translation>Bağlama noktaları</translation>
+    </message>
+    <message>
+        <source>To the form</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>To the tie points</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>the pipe's length</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -1925,8 +2368,8 @@
         <translation>Vazgeç</translation>
     </message>
     <message>
-        <source>Flow (L/min)</source>
-        <translation>Debi (L/dak)</translation>
+        <source>Flow ({unit})</source>
+        <translation>Debi ({unit})</translation>
     </message>
     <message>
         <source>Known leak</source>
@@ -1937,8 +2380,8 @@
         <translation>Bilinen kaçak değil</translation>
     </message>
     <message>
-        <source>Pressure (bar)</source>
-        <translation>Basınç (bar)</translation>
+        <source>Pressure ({unit})</source>
+        <translation>Basınç ({unit})</translation>
     </message>
     <message>
         <source>Size others beside it</source>
@@ -2005,6 +2448,88 @@
     <message>
         <source>threshold</source>
         <translation>eşik</translation>
+    </message>
+</context>
+<context>
+    <name>ListControl</name>
+    <message>
+        <source>Candidates are played by key only</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Each candidate is played on arrival</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>List: {what}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>all</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>reject {count} below {score}</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>ListTools</name>
+    <message>
+        <source>All</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>All {all} decided: to the report (Ctrl+5)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Best score first</source>
+        <translation>Puana göre</translation>
+    </message>
+    <message>
+        <source>Clear filter</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Clear the filter: show all candidates</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Filter by class and score; listen to each candidate on arrival (Shift+N)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>From the launch on</source>
+        <translation>Hat metresine göre</translation>
+    </message>
+    <message>
+        <source>More…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Order of the list</source>
+        <translation>Listenin sırası</translation>
+    </message>
+    <message>
+        <source>Undecided and hidden by the filter: {count}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Which candidates are shown (N)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{decided} of {all} decided</source>
+        <translation>Karar: {decided} / {all}</translation>
+    </message>
+    <message>
+        <source>{shown} of {all} shown</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>✕ Filter</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2092,10 +2617,21 @@
     </message>
 </context>
 <context>
+    <name>MarkControl</name>
+    <message>
+        <source>Only a mark made by hand can be moved: select one, or press M for a new one.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>move {name}</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>MarkerLine</name>
     <message>
-        <source>Chainage in metres</source>
-        <translation>Hat metresi (m)</translation>
+        <source>Chainage ({unit})</source>
+        <translation>Hat metresi ({unit})</translation>
     </message>
     <message>
         <source>Name of the marker</source>
@@ -2110,8 +2646,8 @@
         <translation>Saklar (Enter); Esc anı numarasıyla bırakır</translation>
     </message>
     <message>
-        <source>m from launch</source>
-        <translation>başlangıçtan m</translation>
+        <source>{unit} from launch</source>
+        <translation>bırakmadan {unit}</translation>
     </message>
 </context>
 <context>
@@ -2121,16 +2657,16 @@
         <translation>Ötekilerin hepsiyle çelişiyor, bu yüzden ona inanılmıyor: yerini ve zamanını denetleyin.</translation>
     </message>
     <message>
-        <source>At (m)</source>
-        <translation>Yeri (m)</translation>
+        <source>At ({unit})</source>
+        <translation>Yer ({unit})</translation>
     </message>
     <message>
         <source>Fits to</source>
         <translation>Uyum</translation>
     </message>
     <message>
-        <source>If we had not known it, the path would have been off here by {metres} m.</source>
-        <translation>Bunu bilmeseydik yol burada {metres} m şaşardı.</translation>
+        <source>If we had not known it, the path would have been off here by {length}.</source>
+        <translation>Bunu bilmeseydik yol burada {length} şaşardı.</translation>
     </message>
     <message>
         <source>Time (s)</source>
@@ -2197,6 +2733,21 @@
     </message>
 </context>
 <context>
+    <name>MeasureControl</name>
+    <message>
+        <source>The error of a length is taken from those of its two ends as if they were independent: it is at most this</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{seconds} s</source>
+        <translation>{seconds} s</translation>
+    </message>
+    <message>
+        <source>Δ {length} at most (95 %)</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>MessageBoxes</name>
     <message>
         <source>OK</source>
@@ -2245,8 +2796,8 @@
         <translation>Bunu kullan</translation>
     </message>
     <message>
-        <source>Way found: {metres} m</source>
-        <translation>Bulunan yol: {metres} m</translation>
+        <source>Way found: {length}</source>
+        <translation>Bulunan yol: {length}</translation>
     </message>
     <message>
         <source>cannot</source>
@@ -2846,6 +3397,75 @@
     </message>
 </context>
 <context>
+    <name>ReadinessBubble</name>
+    <message>
+        <source>Close</source>
+        <translation>Kapat</translation>
+    </message>
+    <message>
+        <source>Manual: what the lights mean</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>What is missing</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>RecentSurveyRow</name>
+    <message>
+        <source>Demonstration</source>
+        <translation>Tanıtım</translation>
+    </message>
+    <message>
+        <source>Keep on top</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Let go</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Not processed yet</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Not there now: {folder}. Plug the stick in, or take it off the list.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take off the list; the survey itself stays (Delete)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>exported on {day}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{count} confirmed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{done} of {count} decided</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>RecentSurveys</name>
+    <message>
+        <source>No survey in the list has these words. Search for fewer of them.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Nothing has been opened yet. Open a device's folder, or look at the demonstration.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Search by name, client, folder or year</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>RecordingBox</name>
     <message>
         <source>Channel</source>
@@ -2905,8 +3525,8 @@
         <translation>Değiştir…</translation>
     </message>
     <message>
-        <source>Inner diameter (mm)</source>
-        <translation>İç çap (mm)</translation>
+        <source>Inner diameter ({unit})</source>
+        <translation>İç çap ({unit})</translation>
     </message>
     <message>
         <source>Main Street</source>
@@ -2925,16 +3545,16 @@
         <translation>Yoldaki yerler</translation>
     </message>
     <message>
-        <source>Places the device will pass, one a line: name = metres from the launch</source>
-        <translation>Cihazın geçeceği yerler, her satırda bir tane: ad = başlangıçtan metre</translation>
+        <source>Places the device will pass, one a line: name = distance from the launch</source>
+        <translation>Cihazın geçeceği yerler, her satıra bir tane: ad = bırakma noktasından uzaklık</translation>
     </message>
     <message>
         <source>Planned time (min)</source>
         <translation>Planlanan süre (dk)</translation>
     </message>
     <message>
-        <source>Rolling radius (mm)</source>
-        <translation>Yuvarlanma yarıçapı (mm)</translation>
+        <source>Rolling radius ({unit})</source>
+        <translation>Yuvarlanma yarıçapı ({unit})</translation>
     </message>
     <message>
         <source>Stored in</source>
@@ -3155,10 +3775,6 @@ bir daha</translation>
 <context>
     <name>ReportPanel</name>
     <message>
-        <source>At (m)</source>
-        <translation>Yer (m)</translation>
-    </message>
-    <message>
         <source>Class</source>
         <translation>Sınıf</translation>
     </message>
@@ -3234,13 +3850,25 @@ bir daha</translation>
         <source>to</source>
         <translation>Yer:</translation>
     </message>
-    <message>
-        <source>± (m)</source>
-        <translation>± (m)</translation>
-    </message>
 </context>
 <context>
     <name>ReviewControl</name>
+    <message>
+        <source>All candidates are decided: go to the report (Ctrl+5)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Done again: {what}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Nothing undecided is left in this list; undecided ones that the filter hides: {count}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Undone: {what}</source>
+        <translation type="unfinished"></translation>
+    </message>
     <message>
         <source>class of {name}</source>
         <translation>{name} sınıfı</translation>
@@ -3273,8 +3901,8 @@ bir daha</translation>
         <translation>Saatler</translation>
     </message>
     <message>
-        <source>E {east}  N {north} m</source>
-        <translation>D {east}  K {north} m</translation>
+        <source>E {east}  N {north} {unit}</source>
+        <translation>D {east}  K {north} {unit}</translation>
     </message>
     <message>
         <source>Leaks</source>
@@ -3387,24 +4015,24 @@ bir daha</translation>
         <translation>Güzergâh al: {file}</translation>
     </message>
     <message>
-        <source>Join gaps up to (m)</source>
-        <translation>Birleştirilecek boşluk (m)</translation>
+        <source>Join gaps up to ({unit})</source>
+        <translation>Birleştirilecek boşluk ({unit})</translation>
     </message>
     <message>
         <source>Lines: tap those that the run followed</source>
         <translation>Çizgiler: koşunun izlediklerine dokunun</translation>
     </message>
     <message>
-        <source>Map accuracy ± 1σ (m)</source>
-        <translation>Harita doğruluğu ± 1σ (m)</translation>
+        <source>Map accuracy ± 1σ ({unit})</source>
+        <translation>Harita doğruluğu ± 1σ ({unit})</translation>
     </message>
     <message>
         <source>Metres east and north of the launch</source>
         <translation>Bırakma noktasından doğuya ve kuzeye metre</translation>
     </message>
     <message>
-        <source>Route: {length} m</source>
-        <translation>Güzergâh: {length} m</translation>
+        <source>Route: {length}</source>
+        <translation>Güzergâh: {length}</translation>
     </message>
     <message>
         <source>Tap the line that the run followed, in the map or in the list.</source>
@@ -3455,12 +4083,12 @@ bir daha</translation>
         <translation>milimetre</translation>
     </message>
     <message>
-        <source>surveyed length {length} m, difference {difference} m</source>
-        <translation>ölçülen uzunluk {length} m, fark {difference} m</translation>
+        <source>surveyed length {length}, difference {difference}</source>
+        <translation>ölçülmüş uzunluk {length}, fark {difference}</translation>
     </message>
     <message>
-        <source>{off} m from the launch</source>
-        <translation>bırakma noktasından {off} m</translation>
+        <source>{off} from the launch</source>
+        <translation>bırakma noktasından {off}</translation>
     </message>
 </context>
 <context>
@@ -3493,8 +4121,8 @@ bir daha</translation>
         <translation>Katman</translation>
     </message>
     <message>
-        <source>Length (m)</source>
-        <translation>Uzunluk (m)</translation>
+        <source>Length ({unit})</source>
+        <translation>Uzunluk ({unit})</translation>
     </message>
     <message>
         <source>Line</source>
@@ -3674,7 +4302,7 @@ bir daha</translation>
     </message>
     <message>
         <source>chainage: 1234.5</source>
-        <translation>metraj: 1234,5</translation>
+        <translation>hat metresi: 1234,5</translation>
     </message>
     <message>
         <source>metric: m, mm, bar</source>
@@ -3682,7 +4310,7 @@ bir daha</translation>
     </message>
     <message>
         <source>stationing: 1+234.5</source>
-        <translation>istasyon: 1+234,5</translation>
+        <translation>kilometraj: 1+234,5</translation>
     </message>
     <message>
         <source>{percent} %</source>
@@ -3698,6 +4326,18 @@ bir daha</translation>
     <message>
         <source>No sound</source>
         <translation>Ses yok</translation>
+    </message>
+    <message>
+        <source>auto</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>fixed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{percent} % is too quiet for these colours: K fits them</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -3825,8 +4465,8 @@ bir daha</translation>
         <translation>A'nın öne çıktığı yer: {spans}; en çok {hertz} çevresinde, {level} ± {half} dB.</translation>
     </message>
     <message>
-        <source>A was passed at {a} m/s, B at {b}: rolling alone may explain about {level} dB.</source>
-        <translation>A'dan {a} m/s, B'den {b} m/s hızla geçildi: yalnızca yuvarlanma yaklaşık {level} dB açıklayabilir.</translation>
+        <source>A was passed at {a}, B at {b}: rolling alone may explain about {level} dB.</source>
+        <translation>A'dan {a}, B'den {b} hızla geçildi: yalnızca yuvarlanma yaklaşık {level} dB açıklayabilir.</translation>
     </message>
     <message>
         <source>A − B</source>
@@ -3936,7 +4576,22 @@ bir daha</translation>
     </message>
 </context>
 <context>
+    <name>StartControl</name>
+    <message>
+        <source>Looking for the recent surveys</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>StartPage</name>
+    <message>
+        <source>Correlator</source>
+        <translation>Korelatör</translation>
+    </message>
+    <message>
+        <source>Five hints</source>
+        <translation type="unfinished"></translation>
+    </message>
     <message>
         <source>From the folder off the device to a leak on the map, the same day.</source>
         <translation>Cihazdan alınan klasörden haritadaki kaçağa, aynı gün içinde.</translation>
@@ -3946,8 +4601,8 @@ bir daha</translation>
         <translation>Tanıtıma bak</translation>
     </message>
     <message>
-        <source>Nothing has been opened yet.</source>
-        <translation>Henüz hiçbir şey açılmadı.</translation>
+        <source>Manual</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Open the device's folder…</source>
@@ -3958,12 +4613,23 @@ bir daha</translation>
         <translation>Son ölçümler</translation>
     </message>
     <message>
+        <source>Settings</source>
+        <translation>Ayarlar</translation>
+    </message>
+    <message>
         <source>or drop a folder anywhere on this window</source>
         <translation>ya da bir klasörü bu pencerenin üzerine bırakın</translation>
     </message>
     <message>
         <source>●  Record</source>
         <translation>●  Kayıt</translation>
+    </message>
+</context>
+<context>
+    <name>StepBar</name>
+    <message>
+        <source>Tie points</source>
+        <translation>Bağlama noktaları</translation>
     </message>
 </context>
 <context>
@@ -4015,8 +4681,8 @@ bir daha</translation>
         <translation>Cihaz ve boru</translation>
     </message>
     <message>
-        <source>Elevation (m)</source>
-        <translation>Yükseklik (m)</translation>
+        <source>Elevation ({unit})</source>
+        <translation>Yükseklik ({unit})</translation>
     </message>
     <message>
         <source>First heading (° from north)</source>
@@ -4035,12 +4701,12 @@ bir daha</translation>
         <translation>Geçiş sırasında boruda: kaçakların büyüklüğü bununla söylenir</translation>
     </message>
     <message>
-        <source>Inner diameter (mm)</source>
-        <translation>İç çap (mm)</translation>
+        <source>Inner diameter ({unit})</source>
+        <translation>İç çap ({unit})</translation>
     </message>
     <message>
-        <source>Joint to joint (m)</source>
-        <translation>Ekten eke (m)</translation>
+        <source>Joint to joint ({unit})</source>
+        <translation>Ekten eke ({unit})</translation>
     </message>
     <message>
         <source>Latitude (°)</source>
@@ -4055,8 +4721,8 @@ bir daha</translation>
         <translation>Kaçak arama</translation>
     </message>
     <message>
-        <source>Length of one pipe from joint to joint: the bumps then count the metres</source>
-        <translation>Bir borunun ekten eke boyu: ek yerlerindeki sarsıntılar metreleri sayar</translation>
+        <source>Length of one pipe from joint to joint: the bumps then count the way</source>
+        <translation>Bir borunun ekten eke boyu: ek yerlerindeki sarsıntılar yolu sayar</translation>
     </message>
     <message>
         <source>Longitude (°)</source>
@@ -4095,16 +4761,16 @@ bir daha</translation>
         <translation>Konum</translation>
     </message>
     <message>
-        <source>Pressure (bar)</source>
-        <translation>Basınç (bar)</translation>
+        <source>Pressure ({unit})</source>
+        <translation>Basınç ({unit})</translation>
     </message>
     <message>
         <source>Remove route</source>
         <translation>Güzergâhı kaldır</translation>
     </message>
     <message>
-        <source>Rolling radius (mm)</source>
-        <translation>Yuvarlanma yarıçapı (mm)</translation>
+        <source>Rolling radius ({unit})</source>
+        <translation>Yuvarlanma yarıçapı ({unit})</translation>
     </message>
     <message>
         <source>Sound</source>
@@ -4123,8 +4789,8 @@ bir daha</translation>
         <translation>Ölçüm</translation>
     </message>
     <message>
-        <source>Surveyed length (m)</source>
-        <translation>Ölçülmüş uzunluk (m)</translation>
+        <source>Surveyed length ({unit})</source>
+        <translation>Ölçülmüş uzunluk ({unit})</translation>
     </message>
     <message>
         <source>Table of presets…</source>
@@ -4195,8 +4861,8 @@ bir daha</translation>
         <translation>bilinmiyor</translation>
     </message>
     <message>
-        <source>{length} m, {count} points, {system}, ± {sigma} m (1σ)</source>
-        <translation>{length} m, {count} nokta, {system}, ± {sigma} m (1σ)</translation>
+        <source>{length}, {count} points, {system}, ± {sigma} (1σ)</source>
+        <translation>{length}, {count} nokta, {system}, ± {sigma} (1σ)</translation>
     </message>
 </context>
 <context>
@@ -4244,8 +4910,8 @@ bir daha</translation>
 <context>
     <name>TiePointModel</name>
     <message>
-        <source>Chainage (m)</source>
-        <translation>Hat metresi (m)</translation>
+        <source>Chainage ({unit})</source>
+        <translation>Hat metresi ({unit})</translation>
     </message>
     <message>
         <source>East (m)</source>
@@ -4272,16 +4938,16 @@ bir daha</translation>
         <translation>Zaman (s)</translation>
     </message>
     <message>
-        <source>Up (m)</source>
-        <translation>Yukarı (m)</translation>
+        <source>Up ({unit})</source>
+        <translation>Yukarı ({unit})</translation>
     </message>
     <message>
         <source>Use</source>
         <translation>Kullan</translation>
     </message>
     <message>
-        <source>± 1σ (m)</source>
-        <translation>± 1σ (m)</translation>
+        <source>± 1σ ({unit})</source>
+        <translation>± 1σ ({unit})</translation>
     </message>
 </context>
 <context>
@@ -4320,7 +4986,42 @@ bir daha</translation>
     </message>
 </context>
 <context>
+    <name>ViewTools</name>
+    <message>
+        <source>Full screen, and back (F11)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure: drag in any view (R at the cursor)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The views follow the playback page by page (H)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The views follow the playback with the cursor in the middle (H)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The views stay while it plays (H)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>You have moved the view: it waits until the playback comes by, or H</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>Vocabulary</name>
+    <message>
+        <source>At</source>
+        <translation>Yer</translation>
+    </message>
+    <message>
+        <source>At ({unit})</source>
+        <translation>Yer ({unit})</translation>
+    </message>
     <message>
         <source>air pocket</source>
         <translation>hava cebi</translation>
@@ -4408,6 +5109,29 @@ bir daha</translation>
     <message>
         <source>valve</source>
         <translation>vana</translation>
+    </message>
+</context>
+<context>
+    <name>_FilterPanel</name>
+    <message>
+        <source>Class</source>
+        <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>Least score</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Listen to each on arrival</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Marks made by hand have no score; they are always shown</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>any class</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 </TS>

@@ -216,4 +216,4 @@ def test_numbers_have_a_true_minus_and_no_minus_zero():
 
 
 def test_a_place_is_never_told_without_its_interval():
-    assert place_text(candidate(1, chainage_m=41.26, half_m=0.5)) == "41.3 ± 0.5"
+    assert place_text(candidate(1, chainage_m=41.26, half_m=0.5)) == "41.3 m ± 0.5 m"

@@ -53,7 +53,7 @@ def test_other_quantities_have_their_units():
     assert EN.pressure(3.25) == "3.2 bar"
     assert US.pressure(1.0) == "15 psi"
     assert US.flow(3.785411784) == "1.0 gal/min"
-    assert TR.flow(8.3) == "8,3 L/min"
+    assert TR.flow(8.3) == "8,3 L/dak"
     assert (EN.day("2026-05-04"), TR.day("2026-05-04"), EN.day("yesterday")) == (
         "4 May 2026",
         "04.05.2026",
