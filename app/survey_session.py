@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoCommand, QUndoStack
 
+from app import decision_book
 from app.candidate_list import CandidateList
 from app.review_view import ReviewView, visible_range
 from app.view_data import extent_s
@@ -43,6 +44,7 @@ class SurveySession(QObject):
     selection_changed = Signal()
     filter_changed = Signal()  # or the order: which candidates the list shows, and how
     survey_changed = Signal()  # form or tie points
+    reviewer_changed = Signal()  # whose decisions they are
     refused = Signal(object)  # LeaklineError: a change that could not be written; nothing has changed
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -59,6 +61,7 @@ class SurveySession(QObject):
         self.results: Results | None = None
         self.run: Run | None = None
         self.orphans: tuple[Orphan, ...] = ()
+        self.reviewer = ""  # a second one, who does not see the first one's decisions; empty: the first
         self.list.selected = None
         self.list.set_candidates((), {}, frozenset())
 
@@ -92,7 +95,9 @@ class SurveySession(QObject):
 
     @property
     def operator(self) -> str:
-        """Who decides: the form's operator, else the user's name on this computer."""
+        """Who decides: a second reviewer, else the form's operator, else the user's name on this computer."""
+        if self.reviewer:
+            return self.reviewer
         if self.survey.info.operator:
             return self.survey.info.operator
         try:
@@ -133,7 +138,7 @@ class SurveySession(QObject):
         self.undo_stack.clear()  # its commands speak of the ids of the run before
         self.run = run
         self.results = replace(results, candidates=candidates)
-        decisions = review.decisions(run) if run is not None else {}
+        decisions = decision_book.read(self._folder(), run, candidates, self.reviewer)
         self.list.selected = None
         self.list.set_candidates(candidates, decisions, review.manual_ids(run) if run is not None else frozenset())
         self.orphans = review.orphaned_decisions()
@@ -148,6 +153,22 @@ class SurveySession(QObject):
         self.cursor.set_extent(*extent_s(results))
         if results.track is not None:
             self.cursor.set_axis_mode(AxisMode.DISTANCE)
+
+    def set_reviewer(self, reviewer: str) -> None:
+        """Review as a second person who does not see the first one's decisions; empty: as the first one again.
+
+        Undo begins anew: its steps were another's.
+        """
+        if reviewer == self.reviewer or self.results is None:
+            return
+        self.undo_stack.clear()
+        self.reviewer = reviewer
+        candidates = [row.candidate for row in self.list.rows()]
+        decisions = decision_book.read(self._folder(), self.run, candidates, reviewer)
+        self.list.set_candidates(candidates, decisions, self.list.manual_ids())
+        self.reviewer_changed.emit()
+        self.candidates_changed.emit()
+        self.select(self.next_undecided(after=None) or self.selected)
 
     def keep_orphans(self) -> None:
         """Put the verdicts that lost their candidate into the present run as marks of the operator's."""
@@ -259,13 +280,8 @@ class SurveySession(QObject):
     def write_decisions(self, decisions: Mapping[int, Decision], reason: str) -> bool:
         """Put decisions on disk, all of them or none, then show them; False where they could not be written."""
 
-        def write() -> None:
-            review = self._folder().review
-            if len(decisions) == 1:
-                review.decide(*next(iter(decisions.items())), self.operator, reason)
-            else:
-                review.decide_many(decisions, self.operator, reason)
-
+        labels = {i: row.candidate.label for i in decisions if (row := self.list.row(i)) is not None}
+        write = partial(decision_book.write, self._folder(), decisions, labels, self.operator, reason, self.reviewer)
         if not self._written(write):
             return False
         for candidate_id, decision in decisions.items():
@@ -335,7 +351,7 @@ class SurveySession(QObject):
 
     def _show_mark(self, candidate: Candidate, *, shown: bool) -> None:
         if shown:
-            self.list.add_mark(candidate, self._folder().review.decision(candidate.id))
+            self.list.add_mark(candidate, decision_book.read_one(self._folder(), candidate, self.reviewer))
         else:
             self.list.remove(candidate.id)
         self._tell_marks()
@@ -344,7 +360,7 @@ class SurveySession(QObject):
         """Show a mark at its other place; who was selected stays so, though it has another id."""
         selected = self.list.selected == gone.id
         self.list.remove(gone.id)
-        self.list.add_mark(come, self._folder().review.decision(come.id))
+        self.list.add_mark(come, decision_book.read_one(self._folder(), come, self.reviewer))
         if selected:
             self.list.selected = come.id
         self._tell_marks()
@@ -355,6 +371,10 @@ class SurveySession(QObject):
         if self.results is not None:
             self.results = replace(self.results, candidates=tuple(row.candidate for row in self.list.rows()))
         self.candidates_changed.emit()
+
+    def write(self, write: Callable[[], object]) -> bool:
+        """Do what writes to a store of the folder; returns False, having told why, where it could not be written."""
+        return self._written(write)
 
     def _written(self, write: Callable[[], object]) -> bool:
         if not self.writable:
