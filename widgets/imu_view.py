@@ -14,6 +14,7 @@ from widgets.latest_loader import LatestLoader
 from widgets.plot_theme import LIGHT, Theme
 from widgets.strips_view import StripsView, strip_of
 from widgets.time_cursor import TimeCursor
+from widgets.units import quantities
 
 
 @dataclass(frozen=True)
@@ -23,11 +24,11 @@ class Signals:
     acc_mps2: Curve
     gyr_dps: Curve
     gyr_axes_dps: tuple[Curve, Curve, Curve]
-    speed_mps: Curve | None
+    speed: Curve | None  # m/s or ft/s, as lengths are shown
 
 
-def build_signals(imu: ImuSamples, track: Track | None) -> Signals:
-    """Return the envelopes; takes a second or so for hours of samples, so it belongs into a worker."""
+def build_signals(imu: ImuSamples, track: Track | None, factor: float = 1.0) -> Signals:
+    """Return the envelopes, with speeds times ``factor``; takes a second or so for hours of samples: for a worker."""
 
     def curve(samples: Callable[[slice], FloatArray]) -> Curve:
         def read(start: int, stop: int) -> FloatArray:
@@ -41,7 +42,7 @@ def build_signals(imu: ImuSamples, track: Track | None) -> Signals:
 
     speed = None
     if track is not None and len(track.time_s):
-        speed = Curve(EnvelopePyramid.build(track.time_s, track.speed_mps))
+        speed = Curve(EnvelopePyramid.build(track.time_s, factor * track.speed_mps))
     return Signals(
         curve(lambda part: np.linalg.norm(imu.acc_s_mps2[part], axis=1)),
         curve(lambda part: np.degrees(np.linalg.norm(imu.gyr_s_radps[part], axis=1))),
@@ -71,7 +72,8 @@ class ImuView(StripsView):
         self._signals = None
         self._set_strips(())
         if imu is not None and len(imu.time_s):
-            self._loader.request(lambda: build_signals(imu, track))
+            factor = quantities().length_factor
+            self._loader.request(lambda: build_signals(imu, track, factor))
 
     def set_gyro_axes(self, shown: bool) -> None:
         """Show the turn rate about the three axes of the sensor instead of its norm."""
@@ -99,6 +101,7 @@ class ImuView(StripsView):
             strip_of(self.tr("force"), self.tr("m/s²"), ((signals.acc_mps2, theme.curve),), 1.0),
             strip_of(self.tr("turn rate"), self.tr("°/s"), gyr, 1.0),
         ]
-        if signals.speed_mps is not None:
-            strips.append(strip_of(self.tr("speed"), self.tr("m/s"), ((signals.speed_mps, theme.curve),), 0.1))
+        if signals.speed is not None:
+            unit = f"{quantities().length_unit}/s"
+            strips.append(strip_of(self.tr("speed"), unit, ((signals.speed, theme.curve),), 0.1))
         self._set_strips(strips)

@@ -4,14 +4,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from PySide6.QtCore import QLocale, QPointF, QRectF, Qt
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from processing.survey import FloatArray, Track
 from widgets.plan_geometry import PlanScale, band_outline
 from widgets.plot_paint import edges_of, free_box, paint_tag
-from widgets.plot_scale import multiples, nice_step, number_text, tick_digits
+from widgets.plot_scale import multiples, nice_step, tick_digits
 from widgets.plot_theme import Theme
+from widgets.units import quantities
 
 SIGMAS_95 = 1.96
 ELLIPSE_95 = 2.4477  # of two coordinates together: the root of chi-square's 95 % with two degrees of freedom
@@ -27,7 +28,8 @@ def polygon(pixels: FloatArray) -> QPolygonF:
 
 def paint_grid(painter: QPainter, theme: Theme, scale: PlanScale) -> None:
     """Draw lines of round east and north."""
-    step = nice_step(scale.size[0] / scale.pixels_per_m, max(2, int(scale.size[0] / 90)))
+    factor = quantities().length_factor
+    step = nice_step(scale.size[0] / scale.pixels_per_m * factor, max(2, int(scale.size[0] / 90))) / factor
     west, north = scale.metres(0.0, 0.0)
     east, south = scale.metres(*scale.size)
     painter.setPen(QPen(QColor(theme.grid), 1))
@@ -190,13 +192,14 @@ def keep_furniture_free(labels: Labels, theme: Theme, scale: PlanScale) -> None:
     labels.keep_box_free(QRectF(scale.size[0] - 34.0, 8.0, 34.0, height + 34.0))
 
 
-def paint_scale_bar(painter: QPainter, theme: Theme, scale: PlanScale, unit: str, locale: QLocale) -> None:
-    """Draw a bar of round metres into the lower left corner."""
+def paint_scale_bar(painter: QPainter, theme: Theme, scale: PlanScale) -> None:
+    """Draw a bar of round metres, or feet, into the lower left corner."""
     metrics = theme.metrics()
     length_m = _bar_length_m(scale)
     pixels = length_m * scale.pixels_per_m
     left, bottom = 14.0, scale.size[1] - 14.0
-    text = f"{number_text(length_m, tick_digits(length_m), locale)} {unit}"
+    write = quantities()
+    text = write.length(length_m, tick_digits(length_m * write.length_factor * (1.0 + 1e-9)))
     width = max(pixels, metrics.horizontalAdvance(text)) + 16
     ground = QColor(theme.canvas)
     ground.setAlpha(215)
@@ -209,7 +212,8 @@ def paint_scale_bar(painter: QPainter, theme: Theme, scale: PlanScale, unit: str
 
 
 def _bar_length_m(scale: PlanScale) -> float:
-    return _round_down(min(160.0, 0.4 * scale.size[0]) / scale.pixels_per_m)
+    factor = quantities().length_factor
+    return _round_down(min(160.0, 0.4 * scale.size[0]) / scale.pixels_per_m * factor) / factor
 
 
 def _round_down(value: float) -> float:

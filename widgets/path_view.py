@@ -280,7 +280,7 @@ class PathView(PlanHand):
             painter.setPen(QColor(self._theme.text))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self.tr("No path yet"))
         self._paint_pins_and_marks(painter)
-        paint_scale_bar(painter, self._theme, self._scale, self.tr("m"), self.locale())
+        paint_scale_bar(painter, self._theme, self._scale)
         paint_north(painter, self._theme, self._scale, self.tr("N"))
 
     def _paint_pins_and_marks(self, painter: QPainter) -> None:

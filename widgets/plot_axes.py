@@ -8,10 +8,11 @@ from PySide6.QtCore import QLocale, QPointF, QRectF, Qt
 from PySide6.QtGui import QPainter, QPen
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
+from processing.quantities import Quantities
 from widgets.plot_marks import report_paint_error
 from widgets.plot_scale import Scale
 from widgets.plot_theme import Theme
-from widgets.time_axis import AxisMode, x_text, x_ticks
+from widgets.time_axis import METRIC, AxisMode, x_text, x_ticks
 
 TickText = Callable[[float, float], str]
 Line = tuple[QPen, QPointF, QPointF]
@@ -74,15 +75,15 @@ class CommonAxis(PlotAxis):
 
     def __init__(self, theme: Theme) -> None:
         super().__init__("bottom", theme)
-        self._mode, self._locale, self._name = AxisMode.TIME, QLocale(), ""
+        self._mode, self._locale, self._name, self._write = AxisMode.TIME, QLocale(), "", METRIC
         self._known: tuple[float, tuple[list[float], float, float]] | None = None
         self._texts: dict[tuple[float, float], str] = {}  # of ticks; a pan shows the same ones again
 
-    def show_unit(self, mode: AxisMode, name: str, locale: QLocale) -> None:
-        """Count time or metres, under this name."""
-        if (mode, locale) != (self._mode, self._locale) or len(self._texts) > MOST_TEXTS:
+    def show_unit(self, mode: AxisMode, name: str, locale: QLocale, write: Quantities = METRIC) -> None:
+        """Count time or metres under this name, lengths as they are written."""
+        if (mode, locale, write) != (self._mode, self._locale, self._write) or len(self._texts) > MOST_TEXTS:
             self._texts.clear()
-        self._mode, self._name, self._locale = mode, name, locale
+        self._mode, self._name, self._locale, self._write = mode, name, locale, write
         self._known = None
 
     def ticks(self, width: float) -> tuple[list[float], float, float]:
@@ -90,9 +91,9 @@ class CommonAxis(PlotAxis):
         if self._known is not None and self._known[0] == width:
             return self._known[1]
         (low, high), metrics = self.range, self._theme.metrics()
-        sample = (x_text(value, (high - low) / 10, self._mode, self._locale) for value in (low, high))
+        sample = (x_text(value, (high - low) / 10, self._mode, self._locale, self._write) for value in (low, high))
         widest = max(metrics.horizontalAdvance(text) for text in sample)
-        values, step = x_ticks(low, high, self._mode, max(2, int(width / (1.6 * widest + 8))))
+        values, step = x_ticks(low, high, self._mode, max(2, int(width / (1.6 * widest + 8))), self._write)
         self._known = (width, (values, step, widest))
         return values, step, widest
 
@@ -110,7 +111,7 @@ class CommonAxis(PlotAxis):
             lines.append((pen, QPointF(x, 0.0), QPointF(x, 4.0)))
             text = self._texts.get((value, step))
             if text is None:
-                text = self._texts[value, step] = x_text(value, step, self._mode, self._locale)
+                text = self._texts[value, step] = x_text(value, step, self._mode, self._locale, self._write)
             middle = min(x, width + 2 - 0.5 * metrics.horizontalAdvance(text))
             box = QRectF(middle - widest, 4.0, 2 * widest, metrics.height())
             labels.append((box, Qt.AlignmentFlag.AlignCenter, text))

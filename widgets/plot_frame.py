@@ -24,6 +24,7 @@ from widgets.plot_theme import LIGHT, Theme, VerdictMarks
 from widgets.ruler import paint_ruler
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
+from widgets.units import quantities
 
 SPLIT_MS = 3.0  # a step that takes longer is done in two turns
 
@@ -254,8 +255,9 @@ class PlotFrame(QWidget):
         rect, whole = self.plot_rect(), QRectF(self.rect())
         self._lay_out(rect)
         self._plot.vb.setRange(xRange=self.x_span(), padding=0.0, disableAutoRange=False)
-        name = self.tr("m") if self._cursor.axis_mode is AxisMode.DISTANCE else self.tr("time")
-        self._common_axis.show_unit(self._cursor.axis_mode, name, self.locale())
+        mode, write = self._cursor.axis_mode, quantities()
+        name = write.length_unit if mode is AxisMode.DISTANCE else self.tr("time")
+        self._common_axis.show_unit(mode, name, self.locale(), write)
         self._show_data()
         around = near(self._marks, self._cursor, self.x_span())
         self._mark_places = [(c, place) for c in around if (place := self._mark_centre(c)) is not None]

@@ -13,6 +13,7 @@ from widgets.envelope import EnvelopePyramid
 from widgets.plot_marks import Readout
 from widgets.plot_theme import LIGHT, Theme
 from widgets.time_cursor import TimeCursor
+from widgets.units import quantities
 
 SIGMAS_95 = 1.96
 
@@ -27,6 +28,7 @@ class ProfileView(CurvePlot):
         self.setAccessibleName(self.tr("Elevation profile"))
         self._channel = Channel.PATH
         self._names_ruler = True
+        self._factor = 1.0  # of metres, as elevations are shown
         self._up: Curve | None = None
         self._low: Curve | None = None
         self._high: Curve | None = None
@@ -36,7 +38,8 @@ class ProfileView(CurvePlot):
         """Show the elevation of a track; None shows none."""
         self._up = self._low = self._high = None
         if track is not None and len(track.time_s):
-            up, half = track.position_w_m[:, 2], SIGMAS_95 * track.sigma_up_m
+            self._factor = quantities().length_factor
+            up, half = self._factor * track.position_w_m[:, 2], self._factor * SIGMAS_95 * track.sigma_up_m
             self._up, self._low, self._high = (
                 Curve(EnvelopePyramid.build(track.time_s, values, gap=math.inf))
                 for values in (up, up - half, up + half)
@@ -50,7 +53,7 @@ class ProfileView(CurvePlot):
         self.invalidate()
 
     def _show_data(self) -> None:
-        self._show_scale(self._scale if self._up is not None else None, self.tr("elevation (m)"))
+        self._show_scale(self._scale if self._up is not None else None, self._axis_name())
         if self._low is None or self._high is None:
             self._band_item.hide()
         else:
@@ -61,12 +64,15 @@ class ProfileView(CurvePlot):
             self._show_columns(self._band_item, low, high, band)
         self._show_curve(self._up_item, self._up, self._theme.curve, 1.3)
 
+    def _axis_name(self) -> str:
+        return self.tr("elevation ({unit})").format(unit=quantities().length_unit)
+
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._up is None:
             self._paint_hint(painter, rect, self.tr("No path yet"))
 
     def _tie_height(self, tie: TiePoint, rect: QRectF) -> float | None:
-        return None if tie.up_m is None else min(max(self.y_of(tie.up_m), rect.top()), rect.bottom())
+        return None if tie.up_m is None else min(max(self.y_of(self._factor * tie.up_m), rect.top()), rect.bottom())
 
     def _mark_centre(self, candidate: Candidate) -> QPointF | None:
         at_top = super()._mark_centre(candidate)
@@ -74,19 +80,24 @@ class ProfileView(CurvePlot):
         if at_top is None or self._up is None or not math.isfinite(up):
             return at_top
         rect = self.plot_rect()
-        return QPointF(at_top.x(), min(max(self.y_of(up), rect.top()), rect.bottom()))
+        return QPointF(at_top.x(), min(max(self.y_of(self._factor * up), rect.top()), rect.bottom()))
 
     def _paint_values(self, painter: QPainter, rect: QRectF) -> None:
         if self._up is None or self._high is None:
             return
+        unit = quantities().length_unit
         up, high = self._up.value_at_cursor(self._cursor), self._high.value_at_cursor(self._cursor)
-        self._paint_value(painter, rect, 0, self._value_text(up, 2, self.tr("m")), self._theme.curve)
-        self._paint_value(painter, rect, 1, "± " + self._value_text(high - up, 2, self.tr("m")), self._theme.text)
+        self._paint_value(painter, rect, 0, self._value_text(up, 2, unit), self._theme.curve)
+        self._paint_value(painter, rect, 1, "± " + self._value_text(high - up, 2, unit), self._theme.text)
 
     def _readout(self, place: QPointF) -> Readout:
         base = super()._readout(place)
         if self._up is None:
             return base
         return Readout(
-            base.time_s, base.chainage_m, base.position_w_m, value=self.value_of_pixel(place.y()), unit=self.tr("m")
+            base.time_s,
+            base.chainage_m,
+            base.position_w_m,
+            value=self.value_of_pixel(place.y()),
+            unit=quantities().length_unit,
         )

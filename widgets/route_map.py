@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from pyqtgraph.functions import arrayToQPath
-from PySide6.QtCore import QLocale, QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QMouseEvent,
@@ -143,7 +143,7 @@ class RouteMap(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(self._theme.font())
         self._paint_way(painter)
-        paint_scale_bar(painter, self._theme, self._scale, self.tr("m"), QLocale())
+        paint_scale_bar(painter, self._theme, self._scale)
         paint_north(painter, self._theme, self._scale, self.tr("N"))
         painter.end()
 

@@ -20,6 +20,7 @@ from widgets.sound_selection import SelectionFigures, SoundSelection, grabbed_ed
 from widgets.tile_source import TileSource
 from widgets.time_axis import time_text
 from widgets.time_cursor import TimeCursor
+from widgets.units import quantities
 
 LEAST_BAND = 1.05  # the upper edge of a band over its lower one
 LEAST_SELECTION_PIXELS = 3.0
@@ -103,7 +104,7 @@ class SpectrogramView(SoundPicture):
         parts = [f"Δt {time_text(span_s, 0.1, locale)}" if span_s >= 60 else f"Δt {number_text(span_s, 2, locale)} s"]
         ends_m = self._cursor.chainage_at(of.start_s), self._cursor.chainage_at(of.end_s)
         if ends_m[0] is not None and ends_m[1] is not None:
-            parts.append(f"Δs {number_text(ends_m[1] - ends_m[0], 2, locale)} m")
+            parts.append(f"Δs {quantities().length(ends_m[1] - ends_m[0], 2)}")
         parts.append(f"Δf {number_text(of.high_hz - of.low_hz, 0, locale)} Hz")
         first = "   ".join(parts)
         if figures is None or figures.level_db is None:

@@ -6,10 +6,12 @@ from enum import StrEnum
 import numpy as np
 from PySide6.QtCore import QLocale
 
+from processing.quantities import Places, Quantities
 from processing.survey import FloatArray, Track
 from widgets.plot_scale import linear_ticks, multiples, number_text, tick_digits
 
 TIME_STEPS_S = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200, 86400)
+METRIC = Quantities()
 
 
 class AxisMode(StrEnum):
@@ -67,10 +69,19 @@ class DistanceMap:
         return np.asarray(t0 + part * (t1 - t0), dtype=np.float64)
 
 
-def x_ticks(low: float, high: float, mode: AxisMode, most: int) -> tuple[list[float], float]:
-    """Return the ticks of the common axis and the step between them: round minutes and hours, or round metres."""
+def x_ticks(
+    low: float, high: float, mode: AxisMode, most: int, write: Quantities = METRIC
+) -> tuple[list[float], float]:
+    """Return the ticks of the common axis and the step between them, in its own unit, seconds or metres.
+
+    They stand at round minutes and hours, or at round metres or feet, as lengths are written.
+    """
     span = high - low
-    if mode is AxisMode.DISTANCE or span / max(most, 1) < TIME_STEPS_S[0]:
+    if mode is AxisMode.DISTANCE:
+        shown, factor = linear_ticks(low * write.length_factor, high * write.length_factor, most), write.length_factor
+        ticks = [tick / factor for tick in shown]
+        return ticks, ticks[1] - ticks[0] if len(ticks) > 1 else span
+    if span / max(most, 1) < TIME_STEPS_S[0]:
         ticks = linear_ticks(low, high, most)
         return ticks, ticks[1] - ticks[0] if len(ticks) > 1 else span
     step = next((s for s in TIME_STEPS_S if span / s <= most), TIME_STEPS_S[-1])
@@ -90,8 +101,11 @@ def time_text(time_s: float, step_s: float = 1.0, locale: QLocale | None = None)
     return f"{sign}{int(minutes)}:{text}"
 
 
-def x_text(value: float, step: float, mode: AxisMode, locale: QLocale | None = None) -> str:
-    """Return the label of a tick on the common axis."""
+def x_text(value: float, step: float, mode: AxisMode, locale: QLocale | None = None, write: Quantities = METRIC) -> str:
+    """Return the label of a tick on the common axis; places along the pipe as they are written, without the unit."""
     if mode is AxisMode.DISTANCE:
-        return number_text(value, tick_digits(step), locale)
+        digits = tick_digits(step * write.length_factor * (1.0 + 1e-9))
+        if write.places is Places.STATIONING:
+            return write.place(value, digits)
+        return number_text(value * write.length_factor, digits, locale)
     return time_text(value, step, locale)
