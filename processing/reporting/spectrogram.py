@@ -3,9 +3,12 @@
 import numpy as np
 import numpy.typing as npt
 
+from processing.position import distance
 from processing.reporting.content import LeakRow, ReportContent
-from processing.reporting.figures import INTERVAL
-from processing.reporting.svg import Drawing, Frame, number
+from processing.reporting.figures import plain_scale, tick
+from processing.reporting.plan_figure import INTERVAL
+from processing.reporting.svg import Drawing, Frame
+from processing.reporting.words import Words
 from processing.sound.tiles import spectrogram_detail, tile_db
 from processing.survey import FloatArray
 
@@ -24,10 +27,8 @@ _ANCHORS = np.array(
 )
 
 
-def spectrogram_excerpt(
-    content: ReportContent, row: LeakRow, x_label: str, y_label: str, size: tuple[float, float]
-) -> str | None:
-    """Return 15 s either side of a leak, its moment marked, with a dB bar; None without sound there."""
+def spectrogram_excerpt(content: ReportContent, row: LeakRow, words: Words, size: tuple[float, float]) -> str | None:
+    """Return 15 s either side of a leak, its moment and its 95 % interval marked, with a dB bar; None without sound."""
     results = content.results
     audio = results.recording.audio
     if audio is None or results.scan is None:
@@ -43,23 +44,37 @@ def spectrogram_excerpt(
     high = max(float(np.percentile(level_db, 99.8)), low + LEAST_RANGE_DB)
     times = results.clock.to_survey(np.array([start, end]))
     top_khz = float(frequency_hz[shown][-1]) / 1000
-    frame = Frame(46, 8, size[0] - 110, size[1] - 38, float(times[0]), float(times[1]), 0.0, top_khz)
+    frame = Frame(42, 6, size[0] - 96, size[1] - 34, float(times[0]), float(times[1]), 0.0, top_khz)
     drawing = Drawing(*size)
     drawing.image(frame, colours(level_db[::-1], low, high))
-    drawing.axes(frame, x_label, y_label, grid=False)
-    x = frame.x(row.candidate.time_s)
-    drawing.line(x, frame.top, x, frame.top + frame.height, INTERVAL, 1.2)
-    _bar(drawing, frame, low, high)
+    scales = (plain_scale(words), plain_scale(words))
+    drawing.axes(frame, words("axis_time"), words("axis_frequency"), grid=False, scales=scales)
+    drawing.clipped(frame, lambda: _mark_place(drawing, frame, content, row))
+    _bar(drawing, frame, low, high, words)
     return drawing.svg()
 
 
-def _bar(drawing: Drawing, frame: Frame, low: float, high: float) -> None:
+def _mark_place(drawing: Drawing, frame: Frame, content: ReportContent, row: LeakRow) -> None:
+    """Draw the leak's moment, and between dashes the time in which the device was inside of the 95 % interval."""
+    c, track = row.candidate, content.results.track
+    bottom = frame.top + frame.height
+    if track is not None and np.isfinite([c.chainage_low95_m, c.chainage_high95_m]).all():
+        for time_s in distance.times_at(track, [c.chainage_low95_m, c.chainage_high95_m])[0]:
+            x = frame.x(float(time_s))
+            drawing.path([(x, frame.top), (x, bottom)], INTERVAL, 1.1, dash="4 3", cap="butt")
+    x = frame.x(c.time_s)
+    drawing.line(x, frame.top, x, frame.top + 6, "#ffffff", 1.6)
+    drawing.line(x, bottom - 6, x, bottom, "#ffffff", 1.6)
+
+
+def _bar(drawing: Drawing, frame: Frame, low: float, high: float, words: Words) -> None:
     """Draw the dB scale beside the picture."""
-    bar = Frame(frame.left + frame.width + 14, frame.top, 9, frame.height, 0, 1, low, high)
+    bar = Frame(frame.left + frame.width + 8, frame.top, 8, frame.height, 0, 1, low, high)
     ramp = np.linspace(high, low, 64)[:, None]
     drawing.image(bar, colours(ramp, low, high))
     for value in (low, (low + high) / 2, high):
-        drawing.text(bar.left + 13, bar.y(value) + 2.6, f"{number(round(value))} dB", size=7)
+        y = min(max(bar.y(value) + 2.6, bar.top + 6), bar.top + bar.height)
+        drawing.text(bar.left + 11, y, f"{tick(round(value), words)} dB", size=7)
 
 
 def colours(level_db: FloatArray | npt.NDArray[np.float32], low: float, high: float) -> npt.NDArray[np.uint8]:

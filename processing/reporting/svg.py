@@ -39,6 +39,19 @@ class Frame:
         return self.top + (self.y_high - value) / (self.y_high - self.y_low) * self.height
 
 
+@dataclass(frozen=True)
+class Scale:
+    """How an axis is told: ``factor`` from data to the shown unit, ``text`` of a shown value."""
+
+    factor: float = 1.0
+    text: Callable[[float], str] | None = None  # None: :func:`number`
+
+    def ticks(self, low: float, high: float, about: float) -> list[tuple[float, str]]:
+        """Return places in data units with their labels."""
+        values = ticks(low * self.factor, high * self.factor, about)
+        return [(float(value) / self.factor, (self.text or number)(float(value))) for value in values]
+
+
 class Drawing:
     """Collects SVG elements; sizes are points."""
 
@@ -111,16 +124,23 @@ class Drawing:
         draw()
         self.add("</g>")
 
-    def axes(self, frame: Frame, x_label: str, y_label: str, grid: bool = True) -> None:
-        """Draw a frame with round ticks and labels."""
-        for value in ticks(frame.x_low, frame.x_high, frame.width / 55):
+    def axes(
+        self,
+        frame: Frame,
+        x_label: str,
+        y_label: str,
+        grid: bool = True,
+        scales: tuple[Scale, Scale] = (Scale(), Scale()),
+    ) -> None:
+        """Draw a frame with round ticks and labels; ``scales`` tell how x and y are written."""
+        for value, label in scales[0].ticks(frame.x_low, frame.x_high, max(frame.width / 55, 4.0)):
             if grid:
                 self.line(frame.x(value), frame.top, frame.x(value), frame.top + frame.height, PALE, 0.5)
-            self.text(frame.x(value), frame.top + frame.height + 10, number(value), anchor="middle", colour=SOFT)
-        for value in ticks(frame.y_low, frame.y_high, frame.height / 28):
+            self.text(frame.x(value), frame.top + frame.height + 10, label, anchor="middle", colour=SOFT)
+        for value, label in scales[1].ticks(frame.y_low, frame.y_high, frame.height / 28):
             if grid:
                 self.line(frame.left, frame.y(value), frame.left + frame.width, frame.y(value), PALE, 0.5)
-            self.text(frame.left - 4, frame.y(value) + 2.6, number(value), anchor="end", colour=SOFT)
+            self.text(frame.left - 4, frame.y(value) + 2.6, label, anchor="end", colour=SOFT)
         self.line(frame.left, frame.top + frame.height, frame.left + frame.width, frame.top + frame.height, SOFT)
         self.line(frame.left, frame.top, frame.left, frame.top + frame.height, SOFT)
         self.text(frame.left + frame.width / 2, frame.top + frame.height + 21, x_label, anchor="middle", colour=SOFT)

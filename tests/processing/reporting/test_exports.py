@@ -108,7 +108,7 @@ def test_the_reports_text_can_be_selected_in_turkish(results, decisions, tmp_pat
     write_exports(results, decisions, tmp_path, language="tr")
     reader = pypdf.PdfReader(tmp_path / "report.pdf")
     text = "\n".join(page.extract_text() for page in reader.pages)
-    for words in ("Çınar Sokağı", "ıslak zemin", "İŞĞÜÖÇ", "Değerlendirilemeyen", "50.0 – 60.0 m", "41.0 m ile 43.0 m"):
+    for words in ("Çınar Sokağı", "ıslak zemin", "İŞĞÜÖÇ", "Değerlendirilemeyen", "50,0 – 60,0 m", "41,0 – 43,0 m"):
         assert words in text, words
     fonts = {font.get_object()["/BaseFont"] for page in reader.pages for font in page["/Resources"]["/Font"].values()}
     assert all("Inter" in name or "Mono" in name for name in fonts), fonts
@@ -119,7 +119,7 @@ def test_the_report_has_a_sheet_for_each_place_that_was_not_rejected(folder):
     assert "Leak 1" in text
     assert "Place 2" in text
     assert "Place 3" not in text
-    assert "DRAFT: 1 places" in text
+    assert "DRAFT: places undecided or unsure: 1" in text
 
 
 def test_figures_are_vectors(folder):

@@ -7,9 +7,12 @@ from dataclasses import replace
 import pytest
 
 from processing.reporting.content import make_content
+from processing.reporting.dig_sheet import sheet
 from processing.reporting.gis import write_geojson
-from processing.reporting.sheets import Words, sheet, table_row
+from processing.reporting.listing import table_row
+from processing.reporting.options import ReportOptions
 from processing.reporting.tables import write_leaks
+from processing.reporting.words import Words
 from processing.survey import CalibrationLeak, Decision, LeakClass
 
 FIGURES = {"size_over_db": 12.0, "size_background_db": -60.0, "size_low_hz": 800.0, "size_high_hz": 3200.0}
@@ -63,7 +66,7 @@ def test_litres_stand_only_beside_a_known_leak(measured, tmp_path):
 @pytest.mark.parametrize(("language", "word"), [("en", "medium or large"), ("tr", "orta veya büyük")])
 def test_the_report_says_the_size_in_its_language(measured, language, word):
     content = make_content(measured, {})
-    words = Words(language)
+    words = Words(ReportOptions(language))
     assert word in table_row(content.rows[0], content, words)["class"]
     assert any(value.startswith(word) for _, value in sheet(content.rows[0], content, words)["facts"])
 

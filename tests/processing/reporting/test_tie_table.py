@@ -25,7 +25,10 @@ def test_each_tie_point_has_a_line_with_its_residual_and_what_leaving_it_out_cos
     write_exports(replace(results, tie_checks=CHECKS), {}, tmp_path, language=language)
     pages = pypdf.PdfReader(tmp_path / "report.pdf").pages
     text = " ".join(" ".join(page.extract_text().split()) for page in pages)
-    for words in (*WORDS[language], "valve 12", "hydrant <b>", "+0.21 m", "-1.34 m ± 0.98 m", "19.90 m ± 1.37 m"):
+    figures = ("+0.21 m", "\N{MINUS SIGN}1.34 m ± 0.98 m", "19.90 m ± 1.37 m")
+    if language == "tr":
+        figures = tuple(figure.replace(".", ",") for figure in figures)
+    for words in (*WORDS[language], "valve 12", "hydrant <b>", *figures):
         assert words in text, words
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
     assert [row["left_out_m"] for row in summary["quality"]["tie_checks"]] == [-1.34, 19.9, 0.45]
