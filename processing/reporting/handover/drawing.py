@@ -1,8 +1,11 @@
-"""Writes ``survey.dxf`` (AutoCAD 2010): the pipe by status, leaks and reference points as blocks with attributes.
+"""Writes ``survey.dxf`` (AutoCAD 2000): the pipe by status, leaks and reference points as blocks with attributes.
 
 Drawing units are those of the coordinate system (metres or feet), told in the header; a drawing knows no degrees, so
 that beside such a system the UTM zone of the launch is taken. ``survey.prj`` beside it names the system, as map
 programs look for it there.
+
+The old version is meant: its text has the code page that its header names (Turkish; other letters as ``\\U+XXXX``).
+Newer ones are UTF-8 under a header that still names a code page, which GDAL, and so QGIS, believes.
 """
 
 from pathlib import Path
@@ -49,7 +52,8 @@ def write_drawing(path: Path, layers: Layers, title: str, words: HandoverWords) 
 
     system = for_drawing(layers.system, layers.options)
     text = TEXT_M / system.unit_m
-    drawing = new("R2010")
+    drawing = new("R2000")
+    drawing.encoding = "cp1254"
     drawing.header["$INSUNITS"] = UNITS.get(system.unit, 0)
     drawing.header["$MEASUREMENT"] = 1 if system.unit == "m" else 0
     drawing.header["$PDMODE"] = 3

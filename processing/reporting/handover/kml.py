@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from processing.reporting.files import whole_file
+from processing.reporting.handover.columns import Column
 from processing.reporting.handover.layers import Feature, Layer, Layers, Shape
 from processing.reporting.handover.qgis_styles import STYLES
 from processing.reporting.handover.system import wgs84
@@ -19,6 +20,17 @@ FILE_NAME = "survey.kml"
 TRACK_COLOUR = "#1f5fa8"
 HIDDEN = {"no_leak_found"}  # of the leaks
 _NAMED_BY = {"leaks": "id", "stretches": "stretch_status", "track": "segment", "reference_points": "reference_name"}
+_ONE_OF = {"leaks": "leak", "stretches": "stretch", "track": "segment", "reference_points": "reference"}
+_TAKEN = {
+    "id",
+    "name",
+    "description",
+    "timestamp",
+    "begin",
+    "end",
+    "icon",
+    "visibility",
+}  # by KML itself
 _KINDS = {"integer": "int", "real": "double", "text": "string"}
 
 
@@ -70,9 +82,15 @@ def _colour(rgb: str) -> str:
 
 def _schema(layer: Layer) -> str:
     fields = "".join(
-        f'<SimpleField type="{_KINDS[column.kind.value]}" name="{attribute(column.name)}"/>' for column in layer.columns
+        f'<SimpleField type="{_KINDS[column.kind.value]}" name="{_field(layer, column)}"/>' for column in layer.columns
     )
     return f'<Schema name="{layer.name}" id="{layer.name}">{fields}</Schema>\n'
+
+
+def _field(layer: Layer, column: Column) -> str:
+    """The name of a column, one that KML has for itself with what it is of."""
+    name = f"{_ONE_OF[layer.name]}_{column.name}" if column.name.lower() in _TAKEN else column.name
+    return attribute(name)
 
 
 def _placemark(
@@ -89,7 +107,7 @@ def _placemark(
     value = layer.cell(feature, look.key) if look is not None else None
     hidden = hidden or (layer.name == "leaks" and value in HIDDEN)
     cells = [(column, cell) for column, cell in zip(layer.columns, feature.cells, strict=True) if cell is not None]
-    data = "".join(f'<SimpleData name="{attribute(c.name)}">{escaped(str(v))}</SimpleData>' for c, v in cells)
+    data = "".join(f'<SimpleData name="{_field(layer, c)}">{escaped(str(v))}</SimpleData>' for c, v in cells)
     style = f"{layer.name}-{value}" if look is not None else "track"
     parts = [
         element("name", words.title(layer, feature, _NAMED_BY[layer.name])),

@@ -86,7 +86,7 @@ def _width(value: Cell) -> int:
 def _fitted(value: Cell, column: Column, cut: list[str]) -> Cell:
     """A text of at most 254 bytes, cut between characters: a half one would make the row unreadable."""
     if not isinstance(value, str):
-        return value
+        return "" if value is None and column.kind is ColumnKind.TEXT else value  # pyshp would write "None"
     told = value.encode("utf-8", "ignore")
     if len(told) <= LONGEST_TEXT:
         return told.decode("utf-8")
