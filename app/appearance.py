@@ -83,6 +83,8 @@ def style_sheet(theme: Theme) -> str:
     width = 2 if theme.name == "sun" else 1
     line = theme.text if theme.name == "sun" else mixed(theme.text, theme.background, 0.3).name()
     hover = mixed(theme.accent, theme.canvas, 0.15).name()
+    plain = "bold" if theme.name == "sun" else "normal"  # thin strokes drown in the sun
+    off = mixed(theme.text, theme.background, 0.15).name()
     return f"""
         QPushButton, QToolButton {{ border: {width}px solid {line}; border-radius: 6px; padding: 4px 10px;
             background: {theme.canvas}; }}
@@ -91,13 +93,23 @@ def style_sheet(theme: Theme) -> str:
             font-weight: bold; }}
         QPushButton:disabled, QToolButton:disabled {{ color: {mixed(theme.text, theme.background, 0.5).name()};
             border-color: {mixed(theme.text, theme.background, 0.15).name()}; background: {theme.background}; }}
-        QPushButton:focus, QToolButton:focus {{ border-color: {theme.accent}; }}
+        QPushButton:focus, QToolButton:focus {{ border: {width + 1}px solid {theme.accent}; }}
+        QComboBox {{ border: {width}px solid {line}; border-radius: 4px; padding: 2px 2px 2px 6px;
+            background: {theme.canvas}; }}
+        QComboBox:focus {{ border: {width + 1}px solid {theme.accent}; }}
+        QComboBox:disabled {{ border-color: {off}; background: {theme.background}; }}
+        QComboBox::drop-down {{ border: 0px; width: 22px; }}
+        QComboBox::down-arrow {{ image: url("{arrow(theme)}"); width: 12px; height: 8px; }}
+        QComboBox QAbstractItemView {{ border: {width}px solid {line}; }}
+        QComboBox QAbstractItemView::item {{ min-height: 40px; }}
+        QCheckBox:focus, QRadioButton:focus {{ border: {width + 1}px solid {theme.accent}; border-radius: 4px; }}
+        QListView:focus, QTableView:focus, QTextBrowser:focus {{ border: {width + 1}px solid {theme.accent}; }}
         QLineEdit, QPlainTextEdit {{ border: {width}px solid {line}; border-radius: 4px; padding: 2px 6px;
             background: {theme.canvas}; }}
         QLineEdit:focus, QPlainTextEdit:focus {{ border: {width + 1}px solid {theme.accent}; }}
         QGroupBox {{ font-weight: bold; border: 1px solid {line}; border-radius: 6px; margin-top: 1.2em; }}
         QGroupBox::title {{ subcontrol-origin: margin; left: 10px; padding: 0 4px; }}
-        QGroupBox QLabel, QGroupBox QComboBox, QGroupBox QLineEdit {{ font-weight: normal; }}
+        QGroupBox QLabel, QGroupBox QComboBox, QGroupBox QLineEdit {{ font-weight: {plain}; }}
         QTableView, QListView {{ selection-background-color: {mixed(theme.accent, theme.canvas, 0.25).name()};
             selection-color: {theme.text}; }}
         QHeaderView::section {{ padding: 3px 4px; border: 0px; border-right: 1px solid {line};
@@ -109,11 +121,18 @@ def style_sheet(theme: Theme) -> str:
         QScrollBar:horizontal {{ height: 18px; }}
         QSplitter::handle {{ background: {mixed(theme.text, theme.background, 0.15).name()}; }}
         QLabel#candidate_title {{ font-size: {round(FONT_PT * 1.35)}pt; font-weight: bold; }}
+        QLabel#page_title {{ font-size: {round(FONT_PT * 1.5)}pt; font-weight: bold; }}
         QLabel#readout {{ font-weight: bold; }}
         QPushButton#recording_strip {{ background: {theme.cursor}; color: {theme.canvas}; font-weight: bold; }}
         QLabel#warning {{ background: {theme.cursor}; color: {theme.canvas}; padding: 6px 12px; font-weight: bold; }}
         QLabel#banner {{ background: {theme.accent}; color: {theme.canvas}; padding: 6px 12px; font-weight: bold; }}
     """
+
+
+def arrow(theme: Theme) -> str:
+    """Return the file of the arrow of choices: a style sheet that gives them a border takes the style's own away."""
+    name = theme.name if theme.name in THEME_ORDER else LIGHT.name
+    return str(resources.files("resources") / "icons" / f"arrow-{name}.svg").replace("\\", "/")
 
 
 class Translation:

@@ -1,17 +1,16 @@
 """The tools beside the views: one tab bar beside the plan, one over the list of leaks; each page shows its own tabs."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
-from PySide6.QtCore import QObject, QSize, Qt, Signal
-from PySide6.QtWidgets import QStackedWidget, QTabBar, QVBoxLayout, QWidget
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QStackedWidget, QVBoxLayout, QWidget
 
 from widgets.plot_theme import Theme
+from widgets.tab_head import TabHead
 
 FIRST = ""
-_BESIDE_NAME = 24  # pixels of a tab that are not its name
-_LEAST_TAB = 40
-_SHORT_NAME = 50  # pixels: it is not cut
+SIDES = ("beside", "side")
 
 
 @runtime_checkable
@@ -21,31 +20,6 @@ class Themed(Protocol):
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""
         ...
-
-
-class _NarrowTabs(QTabBar):
-    """Tabs that share what room there is: scroll buttons beside them are nothing for a glove."""
-
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setUsesScrollButtons(False)
-        self.setElideMode(Qt.TextElideMode.ElideRight)
-
-    def tabSizeHint(self, index: int) -> QSize:
-        """Qt: the name with little beside it."""
-        size = super().tabSizeHint(index)
-        text = self.fontMetrics().horizontalAdvance(self.tabText(index))
-        return QSize(min(size.width(), text + _BESIDE_NAME), size.height())
-
-    def minimumTabSizeHint(self, index: int) -> QSize:
-        """Qt: the least, with a long name cut."""
-        text = self.fontMetrics().horizontalAdvance(self.tabText(index))
-        least = text if text <= _SHORT_NAME else max(_SHORT_NAME, round(0.6 * text))
-        return QSize(least + _BESIDE_NAME, super().minimumTabSizeHint(index).height())
-
-    def minimumSizeHint(self) -> QSize:
-        """Qt: as wide as the tabs are when cut."""
-        return QSize(_LEAST_TAB * self.count(), super().minimumSizeHint().height())
 
 
 class TabTools(QWidget):
@@ -60,13 +34,8 @@ class TabTools(QWidget):
         self._pages: list[Collection[str]] = [()]
         self._page = ""
         self._left: dict[str, int] = {}  # the tab that was in front when a page was left
-        self._tabs = _NarrowTabs()
-        self._tabs.setObjectName(name)
-        self._tabs.setExpanding(True)
-        self._tabs.setDrawBase(False)
-        self._tabs.setMinimumHeight(40)
-        self._tabs.addTab(title)
-        self._tabs.setAccessibleName(title)
+        self._tabs = TabHead(name, title)
+        self._tabs.add(title)
         self._stack = QStackedWidget()
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -74,7 +43,7 @@ class TabTools(QWidget):
         layout.addWidget(self._tabs)
         layout.addWidget(first, 1)
         layout.addWidget(self._stack, 1)
-        self._tabs.currentChanged.connect(self._show)
+        self._tabs.changed.connect(self._show)
         self._show()
 
     def add_tool(self, name: str, title: str, tool: QWidget, pages: Collection[str]) -> None:
@@ -82,23 +51,31 @@ class TabTools(QWidget):
         self._names.append(name)
         self._pages.append(pages)
         self._stack.addWidget(tool)
-        row = self._tabs.addTab(title)
-        self._tabs.setTabToolTip(row, title)
-        self._tabs.setTabVisible(row, self._page in pages)
+        self._tabs.add(title)
+        self._show_rows()
         self._show()
+
+    @property
+    def page(self) -> str:
+        """The page that was set last."""
+        return self._page
+
+    def restore(self, fronts: Mapping[str, str]) -> None:
+        """Bring to the front, on each page, the tool that ``fronts`` names by page; the first one where it does not."""
+        named = {page: self._names.index(name) for page, name in fronts.items() if name in self._names}
+        self._left = {page: row for page, row in named.items() if row == 0 or page in self._pages[row]}
+        self._tabs.choose(self._left.get(self._page, 0))
 
     def set_title(self, name: str, title: str) -> None:
         """Change what a tab says."""
-        self._tabs.setTabText(self._names.index(name), title)
-        self._tabs.setTabToolTip(self._names.index(name), title)
+        self._tabs.set_title(self._names.index(name), title)
 
     def set_page(self, page: str) -> None:
         """Show the tabs of this page, with the one in front that was there when the page was left."""
-        self._left[self._page] = self._tabs.currentIndex()
+        self._left[self._page] = self._tabs.current
         self._page = page
-        for row, pages in enumerate(self._pages):
-            self._tabs.setTabVisible(row, row == 0 or page in pages)
-        self._tabs.setCurrentIndex(self._left.get(page, 0))
+        self._show_rows()
+        self._tabs.choose(self._left.get(page, 0))
         self._show()
 
     @property
@@ -109,7 +86,7 @@ class TabTools(QWidget):
     @property
     def current(self) -> str:
         """The name of what is shown."""
-        return self._names[self._tabs.currentIndex()]
+        return self._names[self._tabs.current]
 
     @property
     def tools(self) -> Sequence[QWidget]:
@@ -120,10 +97,14 @@ class TabTools(QWidget):
         """Bring a tool of this page to the front."""
         row = self._names.index(name)
         if row == 0 or self._page in self._pages[row]:
-            self._tabs.setCurrentIndex(row)
+            self._tabs.choose(row)
+
+    def _show_rows(self) -> None:
+        shown = (row for row, pages in enumerate(self._pages) if row == 0 or self._page in pages)
+        self._tabs.show_rows(frozenset(shown))
 
     def _show(self) -> None:
-        row = self._tabs.currentIndex()
+        row = self._tabs.current
         self._tabs.setVisible(any(self._page in pages for pages in self._pages))
         self._first.setVisible(row == 0)
         self._stack.setVisible(row != 0)
@@ -146,6 +127,16 @@ class PageTools(QObject):
     def add_tool(self, name: str, title: str, tool: QWidget, pages: Collection[str] = ("path",)) -> None:
         """Add a tool with its tab on ``pages``: on ``path``, or on any of ``sound`` and ``leaks``."""
         self._holders[0 if "path" in pages else 1].add_tool(name, title, tool, pages)
+
+    def in_front(self) -> dict[str, str]:
+        """Return the tools in front on the page that is shown, by ``beside.page`` and ``side.page``."""
+        return {f"{side}.{holder.page}": holder.current for side, holder in zip(SIDES, self._holders, strict=True)}
+
+    def restore(self, fronts: Mapping[str, str]) -> None:
+        """Bring to the front what :meth:`in_front` told of each page; the first tool where it did not."""
+        for side, holder in zip(SIDES, self._holders, strict=True):
+            start = f"{side}."
+            holder.restore({key.removeprefix(start): name for key, name in fronts.items() if key.startswith(start)})
 
     def set_title(self, name: str, title: str) -> None:
         """Change what a tool's tab says."""
