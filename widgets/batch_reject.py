@@ -59,7 +59,7 @@ class BatchReject(QDialog):
         self._told.setWordWrap(True)
         self._told.setTextFormat(Qt.TextFormat.PlainText)
         self._told.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self._told.setMinimumHeight(7 * self._told.fontMetrics().lineSpacing())
+        self._told.setMinimumHeight(9 * self._told.fontMetrics().lineSpacing())
         buttons = QDialogButtonBox()
         self._reject = QPushButton()
         self._reject.setObjectName("batch_reject")
@@ -70,6 +70,7 @@ class BatchReject(QDialog):
         ):
             button.setMinimumHeight(HEIGHT)
             buttons.addButton(button, role)
+        self._reject.setMinimumWidth(160)
         self._reject.clicked.connect(lambda: self.reject_asked.emit(self.score))
         close.clicked.connect(self.reject)
         score = QHBoxLayout()
@@ -80,7 +81,7 @@ class BatchReject(QDialog):
         layout.addWidget(self._slider)
         layout.addWidget(self._told, 1)
         layout.addWidget(buttons)
-        self.setMinimumWidth(480)
+        self.setMinimumWidth(520)
         self._box.setValue(FIRST_SCORE)
         self._box.setFocus(Qt.FocusReason.PopupFocusReason)
 

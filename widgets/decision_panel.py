@@ -1,7 +1,7 @@
 """What the machine says about the selected candidate, and the large buttons for what the operator says."""
 
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QGridLayout,
@@ -16,14 +16,17 @@ from PySide6.QtWidgets import (
 from processing.survey import Decision, LeakClass, Verdict
 from widgets.candidate_row import CandidateRow
 from widgets.note_field import NoteField
-from widgets.plot_theme import Theme
+from widgets.plot_theme import Theme, paint_verdict
 from widgets.quiet_combo import QuietCombo
-from widgets.vocabulary import class_text, half_width_m, number, verdict_icon
+from widgets.vocabulary import class_text, place_text
 
 BUTTON_HEIGHT = 62
 NOTE_HEIGHT = 44
 EVIDENCE_LINES = 2
-BESIDE_TEXT = 22  # pixels of a button that are not its word
+BESIDE_TEXT = 12  # pixels of a button that are not its word, with the gap to the next
+MACHINE = "\N{GEAR}"
+MARK = QSize(54, 28)
+_DIGITS = {Verdict.CONFIRMED: "1", Verdict.REJECTED: "2", Verdict.UNSURE: "3", Verdict.NONE: "0"}
 LEAST_CLASS = 110
 _ON_BUTTONS = (Verdict.CONFIRMED, Verdict.REJECTED, Verdict.UNSURE, Verdict.NONE)
 
@@ -68,7 +71,7 @@ class DecisionPanel(QWidget):
         top.addWidget(self._title, 3)
         top.addWidget(self._class, 2)
         self._grid = QGridLayout()
-        self._grid.setSpacing(6)
+        self._grid.setSpacing(4)
         self._columns = 0
         self._arrange(len(self._buttons))
         layout = QVBoxLayout(self)
@@ -102,18 +105,21 @@ class DecisionPanel(QWidget):
 
     def _button(self, verdict: Verdict) -> QToolButton:
         text = {
-            Verdict.CONFIRMED: self.tr("1  Confirm"),
-            Verdict.REJECTED: self.tr("2  Reject"),
-            Verdict.UNSURE: self.tr("3  Unsure"),
-            Verdict.NONE: self.tr("0  Clear"),
+            Verdict.CONFIRMED: self.tr("Confirm"),
+            Verdict.REJECTED: self.tr("Reject"),
+            Verdict.UNSURE: self.tr("Unsure"),
+            Verdict.NONE: self.tr("Clear"),
         }[verdict]
         button = QToolButton()
         button.setText(text)
+        button.setToolTip(f"{text} ({_DIGITS[verdict]})")
+        button.setAccessibleName(button.toolTip())
+        button.setStyleSheet("padding: 2px 0px;")  # the word needs the room that the padding of other buttons takes
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         button.setObjectName(f"verdict_{verdict.value}")
         button.setMinimumHeight(BUTTON_HEIGHT)
         button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-        button.setIconSize(QSize(26, 26))
+        button.setIconSize(MARK)
         button.setCheckable(verdict is not Verdict.NONE)
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its key is the digit; Space belongs to the playback
         button.clicked.connect(lambda _checked=False, v=verdict: self._on_verdict(v))
@@ -126,6 +132,7 @@ class DecisionPanel(QWidget):
         box.setMinimumWidth(LEAST_CLASS)
         box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         box.setAccessibleName(self.tr("Class"))
+        box.setToolTip(self.tr("Class (C); {sign} is what the machine takes it for").format(sign=MACHINE))
         box.addItem("", None)
         for leak_class in LeakClass:
             box.addItem(class_text(leak_class), leak_class)
@@ -135,7 +142,7 @@ class DecisionPanel(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw the verdicts as this theme does."""
         for verdict, button in self._buttons.items():
-            button.setIcon(verdict_icon(theme, verdict, 28))
+            button.setIcon(_numbered(theme, verdict))
 
     def show_row(self, row: CandidateRow | None, *, writable: bool, evidence: str = "", story: str = "") -> None:
         """Show a candidate, or None; ``evidence`` is what fits two lines, ``story`` all of it, for the tool tip.
@@ -157,10 +164,9 @@ class DecisionPanel(QWidget):
             self._note.set_note("")
             self._show_decision(Decision())
             return
-        at, width = number(row.candidate.chainage_m, 1), number(half_width_m(row.candidate), 1)
-        self._title.setText(f"{row.name} · {at} m ± {width} m")
+        self._title.setText(f"{row.name} · {place_text(row.candidate)}")
         machine = class_text(row.candidate.leak_class)
-        self._class.setItemText(0, self.tr("{machine} (machine)").format(machine=machine))
+        self._class.setItemText(0, f"{MACHINE} {machine}")
         self._show_decision(row.decision)
 
     def _show_decision(self, decision: Decision) -> None:
@@ -197,3 +203,21 @@ class DecisionPanel(QWidget):
     def _on_note(self, text: str) -> None:
         if self._row is not None:
             self.note_changed.emit(self._row.candidate.id, text)
+
+
+def _numbered(theme: Theme, verdict: Verdict) -> QIcon:
+    """Return the mark of a verdict with the digit of its key before it."""
+    scale = 2  # crisp on displays with two pixels a point
+    pixmap = QPixmap(MARK * scale)
+    pixmap.setDevicePixelRatio(scale)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    font = theme.font()
+    font.setPixelSize(20)
+    font.setBold(True)
+    painter.setFont(font)
+    painter.setPen(QColor(theme.text))
+    painter.drawText(QRectF(0, 0, MARK.width() / 2 - 4, MARK.height()), Qt.AlignmentFlag.AlignCenter, _DIGITS[verdict])
+    paint_verdict(painter, theme, verdict, QPointF(MARK.width() * 0.72, MARK.height() / 2), MARK.height() * 0.4)
+    painter.end()
+    return QIcon(pixmap)

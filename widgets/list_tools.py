@@ -72,8 +72,8 @@ class ListTools(QWidget):
         first, second = QHBoxLayout(), QHBoxLayout()
         first.setSpacing(4)
         second.setSpacing(4)
-        first.addWidget(self._verdict, 1)
-        first.addWidget(self._order, 1)
+        first.addWidget(self._verdict, 3)
+        first.addWidget(self._order, 2)
         first.addWidget(self._more)
         second.addWidget(self._progress, 1)
         second.addWidget(self._report, 1)
@@ -100,7 +100,7 @@ class ListTools(QWidget):
 
     def _order_box(self) -> QuietCombo:
         box = _combo("list_order", self.tr("Order of the list"))
-        for order, text in zip(ORDERS, (self.tr("Best score first"), self.tr("From the launch on")), strict=True):
+        for order, text in zip(ORDERS, (self.tr("By score"), self.tr("By place")), strict=True):
             box.addItem(text, order)
         box.activated.connect(lambda _row: self.order_chosen.emit(self.order))
         return box
