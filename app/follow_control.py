@@ -65,6 +65,11 @@ class FollowControl(QObject):
         if self._player.playing:
             self._follow()
 
+    def forget(self) -> None:
+        """Go back to the usual way."""
+        self.mode, self.paused = Follow.PAGE, False
+        self._show()
+
     def _played_on(self) -> None:
         if self.paused and self._is_met():
             self._resume()

@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
@@ -336,10 +336,6 @@ class MainWindow(QMainWindow):
             self.boxes.tell(self.tr("Please wait until the work in progress has ended."))
             return
         self.language_asked.emit("tr" if self._language == "en" else "en")
-
-    def toggle_full_screen(self) -> None:
-        """Use the whole screen, or go back."""
-        self.setWindowState(self.windowState() ^ Qt.WindowState.WindowFullScreen)
 
     # --- Qt's events ---
 

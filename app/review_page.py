@@ -138,19 +138,29 @@ class ReviewPage(QWidget):
         found = (self._maps, self._strips, self._columns)
         return {f"{self.arrangement}.{s.objectName()}": s for s in found}
 
+    @property
+    def panels(self) -> dict[str, QWidget]:
+        """What may be hidden, by name; the strips from top to bottom are ``overview`` to ``motion``."""
+        views = {"plan": self.path, "profile": self.profile, "overview": self.overview, "level": self.level}
+        return {**views, "sound": self._sound, "motion": self.imu, "side": self._side}
+
+    @property
+    def maps(self) -> QWidget:
+        """What holds plan and profile."""
+        return self._maps
+
     def arrange(self, arrangement: str) -> None:
         """Show ``path``, ``sound`` or ``leaks``."""
         self.arrangement = arrangement
         path, leaks = arrangement == "path", arrangement == "leaks"
         self._maps.setVisible(arrangement != "sound")
         self._side.setVisible(not path)
+        self.imu.setVisible(not leaks)
+        self._sound.setVisible(not path)
         self.tools.set_page(arrangement)
         self.path.set_compared_visible(path)
-        self._sound.setVisible(not path)
         self.spectrogram_tools.setVisible(arrangement == "sound")
-        self.imu.setVisible(not leaks)
         self.level.set_x_axis_visible(leaks)
-        self.imu.set_x_axis_visible(True)
         width, height = max(self.width(), 1000), max(self.height(), 500)
         shares = {"path": (0.55, 0.45, 0.0), "sound": (0.0, 0.64, 0.36), "leaks": (0.20, 0.47, 0.33)}[arrangement]
         self._columns.setSizes([round(width * s) for s in shares])
@@ -161,7 +171,9 @@ class ReviewPage(QWidget):
 
     def focus_views(self) -> None:
         """Give the keyboard back to the views."""
-        (self.path if self.arrangement == "path" else self.spectrogram).setFocus(Qt.FocusReason.OtherFocusReason)
+        first = self.path if self.arrangement == "path" else self.spectrogram
+        shown = next((view for view in (first, *self.views) if view.isVisibleTo(self)), first)
+        shown.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def fit_path(self) -> None:
         """Show the whole path in the plan."""

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, TypeVar
 
-from PySide6.QtCore import QObject, QPoint, Qt
+from PySide6.QtCore import QObject
 
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
@@ -44,8 +44,6 @@ class SpectrogramControl(QObject):
         view.looks_changed.connect(self._remember)
         view.fixed_range_chosen.connect(self._remember_range)
         view.band_shown.connect(tools.show_band)
-        view.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
-        view.customContextMenuRequested.connect(self._open_menu)
         cursor.axis_changed.connect(self._on_axis)
         session.results_changed.connect(self._on_results)
         self._on_results()
@@ -180,9 +178,6 @@ class SpectrogramControl(QObject):
 
     def _set_select_tool(self, on: bool) -> None:
         self._view.select_tool = on
-
-    def _open_menu(self, place: QPoint) -> None:
-        self._tools.menu.popup(self._view.mapToGlobal(place))
 
 
 def _after(kinds: list[Kind], present: Kind) -> Kind:

@@ -37,8 +37,10 @@ log = logging.getLogger(__name__)
 class SurveySession(QObject):
     """Holds the state and tells of each change. Belongs to the GUI thread, as the open database does."""
 
+    closing = Signal()  # the open survey is about to be left
     opened = Signal()  # another survey, or none
     results_changed = Signal()
+    settled = Signal()  # all that a run found is shown, and its first candidate selected
     candidates_changed = Signal()  # which ones there are
     decision_changed = Signal(int)
     selection_changed = Signal()
@@ -82,6 +84,8 @@ class SurveySession(QObject):
 
     def _close_folder(self) -> None:
         folder = self.folder
+        if folder is not None:
+            self.closing.emit()
         self.undo_stack.clear()
         self.cursor.set_track(None)
         self._forget()
@@ -147,6 +151,7 @@ class SurveySession(QObject):
         self.candidates_changed.emit()
         shown = self.list.shown_ids() or self.ordered_ids()
         self.select(self.next_undecided(after=None) or next(iter(shown), None))
+        self.settled.emit()
 
     def _set_axis(self, results: "Results") -> None:
         self.cursor.set_track(results.track)

@@ -74,6 +74,7 @@ class Workplace(QObject):
 
     def stop(self) -> None:
         """Leave no work behind: the window closes."""
+        self.views.stop()
         self.gallery.stop()
         self.guide.stop()
         self.start.stop()
