@@ -16,11 +16,13 @@ from processing.importing.survey_toml import apply_override
 from processing.pipeline import process, read_recording
 from processing.progress import Progress
 from processing.reporting.exports import write_exports
+from processing.reporting.options import HandoverOptions
 from processing.results import Results
 from processing.settings import Settings
 from processing.storage.cache import Cache
 from processing.storage.carrying import partners
 from processing.storage.folder import SurveyFolder, is_survey_folder
+from processing.storage.record import review_record
 from processing.storage.review import ReviewStore
 from processing.survey import Decision, Survey
 
@@ -33,10 +35,18 @@ _ABOUT_WHAT_WAS_TOLD = (
 )
 
 
-def process_folder(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
+def process_folder(
+    path: Path,
+    out: Path,
+    overrides: list[str],
+    language: str,
+    progress: Progress,
+    handover: HandoverOptions | None = None,
+) -> Results:
     """Process a device's folder, a single log, or a project, and write the files of the README into ``out``.
 
-    ``overrides`` are ``table.key=value``. A project's verdicts go into the files; nothing in it is changed.
+    ``overrides`` are ``table.key=value``. A project's verdicts go into the files; nothing in it is changed. With
+    ``handover`` its files are written too; what was left out of them stands among the findings of the results.
 
     Raises:
         LeaklineError: what the user can mend, with its place.
@@ -45,10 +55,10 @@ def process_folder(path: Path, out: Path, overrides: list[str], language: str, p
         raise LeaklineError(ErrorCode.FILE_MISSING, Place(path))
     _check_writable(out)
     if is_survey_folder(path):
-        return _process_project(path, out, overrides, language, progress)
+        return _process_project(path, out, overrides, language, progress, handover)
     survey, settings = _overridden(read_survey(path), Settings(), overrides)
     with _naming(path, overrides):
-        return _process_recording(path, out, survey, settings, overrides, language, progress)
+        return _process_recording(path, out, survey, settings, overrides, language, progress, handover)
 
 
 def _process_recording(
@@ -59,17 +69,26 @@ def _process_recording(
     overrides: list[str],
     language: str,
     progress: Progress,
+    handover: HandoverOptions | None,
 ) -> Results:
     options = _told_sound(path, survey, overrides)
     with tempfile.TemporaryDirectory(prefix="leakline-", ignore_cleanup_errors=True) as scratch:
         cache = Cache(Path(scratch))
         recording = read_recording(path, options, settings.importing, cache, progress.part(0.0, 0.3, "importing"))
         results = process(survey, recording, effective_settings(settings, survey), cache, progress.part(0.3, 0.9))
-        write_exports(results, {}, out, progress.part(0.9, 1.0), _report_language(settings, language))
-    return results
+        language = _report_language(settings, language)
+        written = write_exports(results, {}, out, progress.part(0.9, 1.0), language, handover=handover)
+    return replace(results, findings=results.findings + written.findings)
 
 
-def _process_project(path: Path, out: Path, overrides: list[str], language: str, progress: Progress) -> Results:
+def _process_project(
+    path: Path,
+    out: Path,
+    overrides: list[str],
+    language: str,
+    progress: Progress,
+    handover: HandoverOptions | None,
+) -> Results:
     with SurveyFolder.open(path, read_only=True) as folder:
         survey, settings = _overridden(folder.read_survey(), folder.read_settings(), overrides)
         options = ImportOptions.from_json(folder.read_import_options(), folder.original_dir)
@@ -78,8 +97,10 @@ def _process_project(path: Path, out: Path, overrides: list[str], language: str,
         settings = effective_settings(settings, survey)
         results = process(survey, recording, settings, folder.cache(), progress.part(0.3, 0.9))
         results, decisions = reviewed(results, folder.review)
-        write_exports(results, decisions, out, progress.part(0.9, 1.0), _report_language(settings, language))
-    return results
+        language, record = _report_language(settings, language), review_record(folder, folder.review.latest_run())
+        progress = progress.part(0.9, 1.0)
+        written = write_exports(results, decisions, out, progress, language, record, handover=handover)
+    return replace(results, findings=results.findings + written.findings)
 
 
 def reviewed(results: Results, review: ReviewStore) -> tuple[Results, Mapping[int, Decision]]:

@@ -19,6 +19,7 @@ from processing.progress import Progress
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 DEVICE_PROTOCOLS = ("frames", "csv", "printed", "ximu3", "ximu3-binary")  # of app.devices.simulated.protocols, unloaded
+HANDOVER_FILES = ("decisions", "excel", "kml", "gpx", "geopackage", "shapefile", "dxf", "raven", "zip")  # of FileKind
 DISC_FULL = {errno.ENOSPC, errno.EDQUOT} if hasattr(errno, "EDQUOT") else {errno.ENOSPC}
 
 
@@ -120,6 +121,7 @@ def parser() -> OneLineParser:
     one.add_argument("path", type=_place, metavar="PATH", help="a device's folder, a single log, or a project")
     one.add_argument("--out", type=_place, metavar="DIR", required=True, help="where the files are written")
     one.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", dest="overrides")
+    _add_handover(one)
     one.set_defaults(handler=_process)
 
     one = commands.add_parser("simulate", parents=[common], help="write a simulated survey with its truth")
@@ -137,6 +139,23 @@ def parser() -> OneLineParser:
     one = commands.add_parser("formats", parents=[common], help="list what can be imported")
     one.set_defaults(handler=_formats)
     return top
+
+
+def _add_handover(process: OneLineParser) -> None:
+    listed = ", ".join(HANDOVER_FILES)
+    process.add_argument("--files", type=_files, metavar="LIST", help=f"more files: all, or some of {listed}")
+    process.add_argument("--crs", metavar="EPSG:N", help="the coordinate system of the map files; alone: all files")
+
+
+def _files(word: str) -> frozenset[str]:
+    """Return the names of files to hand over."""
+    names = [name.strip().lower() for name in word.split(",") if name.strip()]
+    if names == ["all"]:
+        return frozenset(HANDOVER_FILES)
+    unknown = next((name for name in names if name not in HANDOVER_FILES), None)
+    if unknown is not None or not names:
+        raise argparse.ArgumentTypeError(f"{(unknown or word)[:40]!r} is none of all, {', '.join(HANDOVER_FILES)}")
+    return frozenset(names)
 
 
 def _add_record(commands: "argparse._SubParsersAction[OneLineParser]", common: OneLineParser) -> None:
@@ -202,16 +221,24 @@ def _demo(words: argparse.Namespace) -> int:
 
 
 def _process(words: argparse.Namespace) -> int:
-    return _process_to(words.path, words.out, words.overrides, words.language)
+    return _process_to(words.path, words.out, words.overrides, words.language, words.files, words.crs)
 
 
-def _process_to(path: Path, out: Path, overrides: list[str], language: str) -> int:
+def _process_to(
+    path: Path,
+    out: Path,
+    overrides: list[str],
+    language: str,
+    files: frozenset[str] | None = None,
+    crs: str | None = None,
+) -> int:
     from app.batch import process_folder
+    from app.handover_choices import options_of_words
 
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # else the scratch files would stay behind
     with _TerminalProgress(language) as progress:
-        outcome = process_folder(path, out, overrides, language, progress)
+        outcome = process_folder(path, out, overrides, language, progress, options_of_words(files, crs))
     for finding in outcome.findings:
         print("- " + messages.finding_sentence(finding, language))
     print(messages.text("cli", "processed", language, leaks=len(outcome.candidates), folder=out.resolve()))

@@ -7,6 +7,7 @@ import pytest
 from app.batch import process_folder
 from app.opening import results_of, source_of
 from processing.progress import silent
+from processing.reporting.options import FileKind, HandoverOptions
 from processing.simulation.run import simulate
 from processing.simulation.scenarios import load_scenario
 from processing.simulation.writing import write_run
@@ -54,3 +55,13 @@ def test_processing_a_project_changes_nothing_in_it(project, tmp_path):
     before = (project / "survey.db").read_bytes()
     process_folder(project, tmp_path, [], "en", silent())
     assert (project / "survey.db").read_bytes() == before
+
+
+def test_the_hand_over_goes_along_with_who_decided_what(project, tmp_path):
+    options = HandoverOptions(frozenset({FileKind.DECISIONS_CSV, FileKind.KML}), as_zip=False)
+    results = process_folder(project, tmp_path, [], "en", silent(), options)
+    with (tmp_path / "decisions.csv").open(encoding="utf-8") as file:
+        (row,) = csv.DictReader(file)
+    assert (row["operator"], row["verdict_after"], row["note_after"]) == ("Ayşe", "confirmed", "ıslak zemin")
+    told = "handover_no_place" in [finding.code for finding in results.findings]
+    assert told != (tmp_path / "survey.kml").exists()
