@@ -138,6 +138,13 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("gallery", N("Actions", "Gallery"), "O", Page.REVIEW, "work.gallery.show",
          N("Actions", "Show all candidates as pictures in metres, or go back; arrows choose, Enter opens, Z and X change "
            "the size"), Needs.RESULTS, short=N("Actions", "Gallery")),
+    _row("photos", N("Actions", "Photos"), "P", Page.REVIEW, "work.photos.toggle",
+         N("Actions", "Show the photos of the selected leak, or the list again"), Needs.CANDIDATE),
+    _row("photo_attach", N("Actions", "Attach photos…"), "Shift+P", Page.REVIEW, "work.photos.attach",
+         N("Actions", "Attach pictures of the place to the selected leak; they can also be dropped on the page"),
+         Needs.CANDIDATE),
+    _row("photo_paste", N("Actions", "Paste a photo"), "Ctrl+V", Page.REVIEW, "work.photos.paste",
+         N("Actions", "Attach the picture in the clipboard to the selected leak"), Needs.CANDIDATE),
     _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
          N("Actions", "Bring the cursor and all views to the selected candidate"), Needs.CANDIDATE),
     _row("mark", N("Actions", "Mark a leak here"), "M F6", Page.REVIEW, "shared.mark",

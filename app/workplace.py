@@ -16,6 +16,7 @@ from app.mark_control import MarkControl
 from app.appearance import theme_named
 from app.guide_control import GuideControl
 from app.page_host import PageHost
+from app.photo_control import PhotoControl
 from app.services import Services
 from app.settings_control import SettingsControl
 from app.start_control import StartControl
@@ -54,6 +55,8 @@ class Workplace(QObject):
         self.guide = GuideControl(window, services.session, language, theme)
         self.start = StartControl(window, services.session, services.jobs, services.preferences)
 
+        self.photos = PhotoControl(window, services, language)
+        self.photos.told.connect(self.told)
         self.gallery = GalleryControl(window, services, host, theme_named(services.preferences.values.theme))
 
     def show_enabled(self, actions_by_id: Mapping[str, QAction]) -> None:
@@ -76,6 +79,7 @@ class Workplace(QObject):
         """Leave no work behind: the window closes."""
         self.views.stop()
         self.gallery.stop()
+        self.photos.stop()
         self.guide.stop()
         self.start.stop()
         self.list.stop()
