@@ -5,6 +5,8 @@ The file is tagged and accessible: PDF/UA-1 and PDF/A-2a, which the page setter 
 
 import json
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 from typing import Any, Literal
@@ -38,6 +40,41 @@ def write_pdf(path: Path, content: ReportContent, progress: Progress) -> None:
     Raises:
         LeaklineError: REPORT_FAILED with the template's own words, CANNOT_WRITE.
     """
+    with _laid_out(content, progress) as folder:
+        pdf = _compiled(folder, path)
+    aside = aside_of(path)
+    try:
+        aside.write_bytes(pdf)
+        aside.replace(path)
+    finally:
+        aside.unlink(missing_ok=True)
+
+
+def page_pictures(content: ReportContent, pixels_per_inch: float, progress: Progress) -> tuple[bytes, ...]:
+    """Return the report's pages as PNG pictures, to be looked at before anything is written.
+
+    Raises:
+        LeaklineError: REPORT_FAILED with the template's own words.
+    """
+    with _laid_out(content, progress) as folder, resources.as_file(resources.files("resources") / "fonts") as fonts:
+        progress.update(0.9, "exporting")
+        try:
+            pages: bytes | list[bytes] = typst.compile(
+                str(folder / "report.typ"),
+                font_paths=[str(fonts)],
+                ignore_system_fonts=True,
+                root=str(folder),
+                format="png",
+                ppi=pixels_per_inch,
+            )
+        except RuntimeError as error:  # typst has no narrower class
+            raise LeaklineError(ErrorCode.REPORT_FAILED, reason=str(error)) from error
+    return (pages,) if isinstance(pages, bytes) else tuple(pages)
+
+
+@contextmanager
+def _laid_out(content: ReportContent, progress: Progress) -> Iterator[Path]:
+    """Yield a folder with the template, its figures and its words, gone afterwards."""
     data = page_data(content)
     with tempfile.TemporaryDirectory(prefix="leakline-report-") as name:
         folder = Path(name)
@@ -46,13 +83,7 @@ def write_pdf(path: Path, content: ReportContent, progress: Progress) -> None:
         for part in ("report.typ", "dig_sheet.typ"):
             template = (resources.files("resources") / "report" / part).read_text(encoding="utf-8")
             (folder / part).write_text(template, encoding="utf-8")
-        pdf = _compiled(folder, path)
-    aside = aside_of(path)
-    try:
-        aside.write_bytes(pdf)
-        aside.replace(path)
-    finally:
-        aside.unlink(missing_ok=True)
+        yield folder
 
 
 def _compiled(folder: Path, path: Path) -> bytes:
