@@ -145,6 +145,9 @@ ACTIONS: tuple[ActionRow, ...] = (
          Needs.CANDIDATE),
     _row("photo_paste", N("Actions", "Paste a photo"), "Ctrl+V", Page.REVIEW, "work.photos.paste",
          N("Actions", "Attach the picture in the clipboard to the selected leak"), Needs.CANDIDATE),
+    _row("dig", N("Actions", "Found at the dig"), "Ctrl+F", Page.REVIEW, "work.digs.toggle",
+         N("Actions", "Enter what a dig showed beside what was stated, see all digs and what they say of the intervals; "
+           "pressed again, go back"), Needs.SURVEY, short=N("Actions", "Digs")),
     _row("goto", N("Actions", "Go to candidate"), "G", Page.REVIEW, "review.go_to_candidate",
          N("Actions", "Bring the cursor and all views to the selected candidate"), Needs.CANDIDATE),
     _row("mark", N("Actions", "Mark a leak here"), "M F6", Page.REVIEW, "shared.mark",

@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QAction
 
 from app.appearance import theme_named
+from app.dig_control import DigControl
 from app.gallery_control import GalleryControl
 from app.list_control import ListControl
 from app.mark_control import MarkControl
@@ -36,6 +37,8 @@ class Workplace(QObject):
         super().__init__(window)
         self._window, self._services, self._language, self._host = window, services, language, host
         self.views = ViewsControl(window, services)
+        self.digs = DigControl(services, host, language, window)
+        self.digs.told.connect(self.told)
         table, toast = window.review_page.table, window.review_page.toast
         self.list = ListControl(services.session, table, services.preferences, window)
         self.marks = MarkControl(services.session, window.player, self)
@@ -78,6 +81,7 @@ class Workplace(QObject):
     def stop(self) -> None:
         """Leave no work behind: the window closes."""
         self.views.stop()
+        self.digs.stop()
         self.gallery.stop()
         self.photos.stop()
         self.guide.stop()

@@ -22,17 +22,12 @@ import numpy as np
 from scipy import optimize, stats
 
 from processing.dig_history import DigKind, HistoryEntry
-from processing.review_facts import DigFinding, DigHistory, DigResult, ScoreBand
+from processing.review_facts import MEASURED_SIGMA_M, DigFinding, DigHistory, DigResult, ScoreBand
 from processing.survey import FloatArray
 
 NORMAL_95 = 1.959964
 FEWEST, MANY, SURE = 5, 30, 0.9
 ENOUGH = 8  # measured digs: with fewer the next wider pool speaks
-MEASURED_SIGMA_M = {
-    "tape": 0.2,
-    "chainage": 0.3,
-    "coordinates": 1.5,
-}  # where nobody said how well: a hand-held receiver
 _LEAST_SIGMA_M = 0.01
 _GROSS_SHARE, _GROSS_SIGMAS = 0.03, 30.0
 _PRIOR_SCALE, _PRIOR_DEGREES = 0.3, 3

@@ -8,6 +8,7 @@ from processing.dig_statistics import FEWEST
 from processing.quantities import Quantities
 from processing.review_facts import DigHistory, ScoreBand
 
+_MANY_FOR_95 = 20  # of fewer the 95th percentile is the largest
 _TOLD_BIAS = 1.96  # a mean error of fewer of its own sigmas says nothing
 
 
@@ -29,7 +30,9 @@ def history_sentences(history: DigHistory, quantities: Quantities) -> tuple[str,
         return messages.text("digs", key, language, **params)
 
     median, p95 = quantities.length(history.median_error_m), quantities.length(history.p95_error_m)
-    key = "held_none" if count == 0 else "held" if count > 1 else "held_one" if history.held else "missed_one"
+    key = "held_none" if count == 0 else "held_one" if history.held else "missed_one"
+    if count > 1:
+        key = "held" if count >= _MANY_FOR_95 else "held_few"
     words = kind_words(history.kind, language)
     out = [text(key, count=count, held=history.held, kind=words, median=median, p95=p95)]
     if count >= FEWEST:

@@ -24,6 +24,11 @@ class Photo:
     operator: str = ""
 
 
+# 1 sigma in metres of a found place by how it was measured, where nobody said how well: coordinates are a hand-held
+# receiver's
+MEASURED_SIGMA_M = {"tape": 0.2, "chainage": 0.3, "coordinates": 1.5}
+
+
 class DigFinding(StrEnum):
     """What a dig showed at or near the stated place."""
 

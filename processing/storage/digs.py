@@ -80,11 +80,12 @@ class DigStore:
         rows = self._db.rows(
             "SELECT c.run_id, r.created_utc, c.id, c.value FROM candidates c JOIN runs r ON r.id = c.run_id "
             "LEFT JOIN manual_candidates m ON m.candidate_id = c.id "
-            "WHERE coalesce(m.withdrawn, 0) = 0 AND (json_extract(c.value, '$.number') = ? "
-            "OR (coalesce(json_extract(c.value, '$.number'), 0) = 0 AND c.id = ?)) ORDER BY c.run_id DESC, c.id DESC",
-            (number, number),
+            "WHERE coalesce(m.withdrawn, 0) = 0 AND (instr(c.value, ?) OR c.id = ?) "
+            "ORDER BY c.run_id DESC, c.id DESC",
+            (f'"number":{number}', number),  # SQLite's own JSON functions refuse the NaN of a mark's score
         )
-        return tuple(Statement(row[0], row[1], self._candidate(row)) for row in rows)
+        found = (Statement(row[0], row[1], self._candidate(row)) for row in rows)
+        return tuple(statement for statement in found if statement.candidate.label == number)
 
     def _append(self, number: int, at_utc: str, operator: str, value: str | None) -> None:
         with self._db.transaction() as db:

@@ -74,6 +74,13 @@ def test_a_crew_may_have_dug_by_an_older_run_whose_statement_is_still_there(fold
     assert folder.digs.statements(99) == ()
 
 
+def test_a_mark_of_the_operators_is_a_statement_though_its_figures_are_no_numbers(folder, stored, candidate):
+    mark = folder.review.add_manual_candidate(stored.run, candidate(450, score=float("nan")), "Ayşe")
+    (found,) = folder.digs.statements(mark.label)
+    assert found.candidate.chainage_m == 450.0
+    assert folder.digs.statements(1)[0].candidate.chainage_m == 100.0  # not that of number 10 or 11
+
+
 def test_digs_can_be_neither_changed_nor_deleted(folder, entered):
     for sql in ("DELETE FROM dig_results", "UPDATE dig_results SET value = NULL"):
         with pytest.raises(sqlite3.IntegrityError, match="append-only"), folder._db.transaction() as db:
