@@ -66,7 +66,7 @@ def recipe(content: ReportContent) -> str:
         "settings": {name: shown(value) for name, value, _ in changed(results.settings)},
         "sha256": [file.sha256 for file in results.recording.files[:FILES_AT_MOST]],
     }
-    return json.dumps(told, ensure_ascii=False, separators=(",", ":"))
+    return json.dumps(told, ensure_ascii=False)  # with its spaces: lines break there
 
 
 def long_notes(content: ReportContent, words: Words) -> list[list[str]]:

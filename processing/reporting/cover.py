@@ -125,7 +125,7 @@ def glance_tiles(content: ReportContent, words: Words) -> list[list[str]]:
     ]
     if glance.total_m is not None:
         assessed = glance.total_m - glance.unassessed_m
-        total = words.length(glance.total_m, 0)
+        total = words.length(glance.total_m, 0).replace(" ", "\N{NO-BREAK SPACE}")
         tiles.append([words.length(assessed, 0), words("tile_assessed", total=total), "plain"])
         tiles.append([words.length(glance.unassessed_m, 0), words("tile_unassessed", total=total), "plain"])
     return tiles

@@ -188,11 +188,11 @@ def dug_lines(dug: DigResult | None, words: Words) -> dict[str, str]:
     off = ""
     if dug.off_along_m is not None:
         key = "found_onward" if dug.off_along_m >= 0 else "found_backward"
-        off = words(key, off=words.length(abs(dug.off_along_m)))
+        off = words(key, off=words.length(abs(dug.off_along_m), 2))
     return {
         "finding": words(f"found_{dug.finding.value}"),
         "off": off,
-        "depth": words.length(dug.depth_m) if dug.depth_m is not None else "",
+        "depth": words.length(dug.depth_m, 2) if dug.depth_m is not None else "",
         "cause": words.shortened(dug.cause, 40),
         "date": words.quantities.day(dug.date),
         "name": words.shortened(dug.dug_by or dug.operator, _NAME_CHARACTERS),

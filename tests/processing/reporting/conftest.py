@@ -83,7 +83,7 @@ def sound(tmp_path_factory) -> tuple[AudioSource, Path]:
     return source, folder / "scan"
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def results(sound) -> Results:
     from processing.sound.scan import SoundScan
 
