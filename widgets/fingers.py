@@ -6,7 +6,7 @@ Touches are read as they come: Qt's own pinch is told twice a step, and its zoom
 import math
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtCore import QEvent, QLineF, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent, QEventPoint, QMouseEvent, QNativeGestureEvent, QTouchEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -74,7 +74,7 @@ class Fingers:
             self._begun()
             return
         apart, now = (max(math.dist(a.toTuple(), b.toTuple()), NEAREST_PIXELS) for a, b in (before, pair))
-        self._pinched(_sane(now / apart), (before[0] + before[1]) / 2.0, (pair[0] + pair[1]) / 2.0)
+        self._pinched(_sane(now / apart), QLineF(*before).center(), QLineF(*pair).center())
 
     def _press(self, place: QPointF, now_ms: int) -> None:
         near = math.dist(place.toTuple(), self._tapped.toTuple()) < 2 * STILL_PIXELS

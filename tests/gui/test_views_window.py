@@ -1,0 +1,201 @@
+"""The linked views in the whole window: measuring by keys, menus, panels, full screen, and where one left off."""
+
+import pytest
+from answering import AnsweringBoxes, CountingSink
+from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu, QToolButton
+from small_survey import SPEED_MPS, make_folder, make_results
+
+from app.actions import ACTIONS
+from app.jobs import Jobs
+from app.main_window import MainWindow
+from app.page_panels import OF_PAGE, TITLES
+from app.services import Services
+from app.settings import PreferencesStore
+from app.survey_session import SurveySession
+from app.view_menus import PLAN, SOUND, STRIP
+from processing.storage.folder import SurveyFolder
+from widgets.time_axis import AxisMode
+
+KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
+
+
+@pytest.fixture
+def services(qapp, tmp_path):
+    preferences = PreferencesStore(tmp_path / "preferences.json")
+    services = Services(SurveySession(), Jobs(), preferences, None, lambda _rate: CountingSink(), lambda: None)
+    services.session.open(make_folder(tmp_path))
+    services.session.set_results(make_results(services.session.folder))
+    yield services
+    services.jobs.stop_all()
+    services.session.close()
+
+
+@pytest.fixture
+def open_window(qtbot, services):
+    def opened(page="sound"):
+        window = MainWindow(services, "en")
+        window.boxes = AnsweringBoxes()
+        window.resize(1366, 768)
+        window.show_page(page)
+        window.show()
+        qtbot.waitUntil(lambda: not services.jobs.running)
+        window.review_page.focus_views()
+        windows.append(window)
+        return window
+
+    windows = []
+    yield opened
+    for window in windows:
+        window.close()
+        window.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+
+
+def press(window, key, modifier=MODIFIER.NoModifier):
+    QTest.keyClick(QApplication.focusWidget() or window, key, modifier)
+
+
+def test_a_length_is_measured_by_keys_told_and_removed_by_escape(open_window, services):
+    window, cursor = open_window(), services.session.cursor
+    cursor.set_time(10.0)
+    press(window, KEY.Key_R)
+    for _ in range(5):
+        press(window, KEY.Key_Right, MODIFIER.ShiftModifier)
+    press(window, KEY.Key_R)
+    found = window.work.views.measure.difference()
+    assert found.metres == pytest.approx(5.0 * SPEED_MPS)
+    assert found.speed_mps == pytest.approx(SPEED_MPS)
+    assert found.half95_m == pytest.approx(1.96 * 0.4 * 2**0.5, abs=0.01)
+    label, whole = window.work.views.measure.texts()
+    assert label == cursor.ruler.label == "10.0 ± 1.1 m   5.0 s"
+    assert "at most" in whole
+    assert "2.00 m/s" in whole
+    press(window, KEY.Key_R, MODIFIER.ShiftModifier)
+    assert cursor.time_s == 10.0
+    press(window, KEY.Key_Left, MODIFIER.ShiftModifier)
+    assert sorted(cursor.ruler.ends_s) == [9.0, 15.0]
+    press(window, KEY.Key_Escape)
+    assert cursor.ruler.ends_s is None
+    QTest.mouseClick(window.findChild(QToolButton, "measure_tool"), Qt.MouseButton.LeftButton)
+    assert cursor.ruler.tool
+    window.review_page.spectrogram_tools.set_selecting(on=True)  # a drag is one thing at a time
+    assert not cursor.ruler.tool
+
+
+def test_keys_move_the_fixed_range_and_another_start_has_it(open_window, services):
+    window = open_window()
+    spectrogram = window.review_page.spectrogram
+    low, high = spectrogram.fixed_range
+    press(window, KEY.Key_Down, MODIFIER.ControlModifier)
+    press(window, KEY.Key_PageUp, MODIFIER.ControlModifier)
+    assert spectrogram.fixed_range == (low - 3.0, high + 3.0)
+    kept = PreferencesStore(services.preferences.file).values.sound_view["levels_db"]
+    assert kept == f"{low - 3.0:.1f} {high + 3.0:.1f}"
+    window.close()
+    assert open_window().review_page.spectrogram.db_range == (low - 3.0, high + 3.0)
+
+
+def test_every_row_of_a_menu_is_an_action_of_the_table(open_window, monkeypatch):
+    window, opened = open_window(), []
+    monkeypatch.setattr(QMenu, "popup", lambda menu, place: opened.append((menu, place)))
+    known = {row.id for row in ACTIONS}
+    assert {name for name in (*PLAN, *STRIP, *SOUND) if name} <= known
+    for view in window.review_page.views:
+        view.customContextMenuRequested.emit(QPoint(40, 40))
+        menu, place = opened[-1]
+        assert place == view.mapToGlobal(QPoint(40, 40))
+        own = [action for action in menu.actions() if action in window.actions_by_id.values()]
+        assert len(own) > 8
+        assert any(action.menu() is not None for action in menu.actions())  # the panels
+    window.work.views.panels.open_menu()
+    assert [action.text()[3:] for action in opened[-1][0].actions()] == [TITLES[n] for n in OF_PAGE["sound"]]
+
+
+def test_each_page_hides_panels_of_its_own_and_the_lowest_plot_has_the_axis(open_window, services):
+    window = open_window("sound")
+    page, panels = window.review_page, window.work.views.panels
+    panels.set_shown("motion", shown=False)
+    assert not page.imu.isVisible()
+    assert page.level._show_x_axis
+    window.show_page("path")
+    assert page.imu.isVisible()
+    panels.set_shown("plan", shown=False)
+    panels.set_shown("profile", shown=False)
+    assert not page.maps.isVisible()
+    window.show_page("sound")
+    for name in ("overview", "sound", "level"):
+        panels.set_shown(name, shown=False)
+    assert page.level.isVisible()  # one always stays
+    menu = panels.menu(page)
+    assert [action.isChecked() for action in menu.actions()] == [n in ("level", "side") for n in OF_PAGE["sound"]]
+    menu.deleteLater()
+    again = PreferencesStore(services.preferences.file).values.layout
+    assert again["views.hidden.path"] == "plan profile"
+    window.work.views.reset_layout()
+    assert all(page.panels[name].isVisible() for name in OF_PAGE["sound"])
+    assert set(TITLES) == set(page.panels)
+
+
+def test_full_screen_has_no_menus_keeps_the_keys_and_escape_leaves(open_window, services):
+    window = open_window("leaks")
+    press(window, KEY.Key_F11)
+    assert window.isFullScreen()
+    assert not window.menuBar().isVisible()
+    assert not window.step_bar.isVisible()
+    press(window, KEY.Key_D)
+    assert services.session.cursor.axis_mode is AxisMode.TIME
+    press(window, KEY.Key_F11, MODIFIER.ShiftModifier)
+    page = window.review_page
+    assert [view.isVisible() for view in page.views] == [view is page.spectrogram for view in page.views]
+    assert not page.table.isVisible()
+    press(window, KEY.Key_Escape)
+    assert window.isFullScreen()
+    assert page.table.isVisible()
+    press(window, KEY.Key_Escape)
+    assert not window.isFullScreen()
+    assert window.menuBar().isVisible()
+    assert window.step_bar.isVisible()
+
+
+def test_a_survey_is_shown_again_where_one_left_off(open_window, services, tmp_path):
+    session = services.session
+    window = open_window()
+    third = session.ordered_ids()[2]
+    session.select(third)
+    session.cursor.set_time(33.25)
+    session.cursor.set_axis_mode("time")
+    session.cursor.set_range(31.0, 36.0)
+    window.review_page.spectrogram.set_frequency_range(300.0, 2500.0)
+    label, path = session.row(session.selected).candidate.label, session.folder.path
+    results = session.results
+    session.close()
+    session.open(SurveyFolder.open(path))
+    session.set_results(results)
+    assert session.cursor.time_s == 33.25
+    assert session.cursor.axis_mode is AxisMode.TIME
+    assert session.cursor.range_s == pytest.approx((31.0, 36.0))
+    assert window.review_page.spectrogram.frequency_range == pytest.approx((300.0, 2500.0))
+    assert session.row(session.selected).candidate.label == label
+    session.cursor.fit()
+    session.set_results(results)  # processed again: not opened again
+    assert session.cursor.range_s == session.cursor.extent_s
+    session.close()  # and what cannot be understood is as if nothing had been remembered
+    folder = SurveyFolder.open(path)
+    folder.write_state({"views": {"time_s": "noon", "range_s": [5], "axis": "furlongs", "hz": [9, 3], "leak": []}})
+    session.open(folder)
+    session.set_results(results)
+    assert session.cursor.range_s == session.cursor.extent_s
+
+
+def test_the_tab_in_front_is_remembered_for_each_page(open_window, services):
+    window = open_window("leaks")
+    window.review_page.tools.choose("why")
+    window.show_page("sound")
+    window.review_page.tools.choose("bands")
+    window.close()
+    window = open_window("leaks")
+    assert window.review_page.tools.is_in_front("why")
+    window.show_page("sound")
+    assert window.review_page.tools.is_in_front("bands")
