@@ -267,13 +267,13 @@ class MainWindow(QMainWindow):
         session = self._session
         reviewing = session.results is not None and (self.page in REVIEW_PAGES or self.work.gallery.in_front)
         enabling.show_enabled(self.actions_by_id, session, self.recording, reviewing=reviewing)
-        self.work.show_enabled(self.actions_by_id)
         self.actions_by_id["route"].setEnabled(self.route.ready)
         self.actions_by_id["route_remove"].setEnabled(self.route.ready and self.data_page.survey.route is not None)
         for page in (*REVIEW_PAGES, "report"):
             first = page == "sound" and self.first_sound.is_shown
             self.step_bar.set_enabled(page, enabled=session.results is not None or first)
         self.step_bar.set_enabled("data", enabled=session.folder is not None or self.files.previewing)
+        self.work.show_enabled(self.actions_by_id)
 
     def _on_focus(self, _old: QWidget | None, new: QWidget | None) -> None:
         typing = enabling.is_typing(new)

@@ -42,6 +42,9 @@ class Notices(QObject):
         if session.folder is not None:
             if session.survey.info.simulated:
                 hints.append(self.tr("Demonstration (simulated): nothing here is a real pipe"))
+            if session.reviewer:
+                text = self.tr("Second review by {name}, blind: Ctrl+J ends it")
+                hints.append(text.format(name=session.reviewer))
             if session.folder.read_only:
                 hints.append(self.tr("Read-only: nothing can be changed"))
             if session.results is not None and session.results.not_assessed:

@@ -47,6 +47,7 @@ class SurveySession(QObject):
     filter_changed = Signal()  # or the order: which candidates the list shows, and how
     survey_changed = Signal()  # form or tie points
     reviewer_changed = Signal()  # whose decisions they are
+    opinions_changed = Signal()  # of second reviewers, by import
     refused = Signal(object)  # LeaklineError: a change that could not be written; nothing has changed
 
     def __init__(self, parent: QObject | None = None) -> None:

@@ -18,6 +18,7 @@ from app.appearance import theme_named
 from app.guide_control import GuideControl
 from app.page_host import PageHost
 from app.photo_control import PhotoControl
+from app.second_review import SecondReview
 from app.services import Services
 from app.settings_control import SettingsControl
 from app.start_control import StartControl
@@ -60,11 +61,14 @@ class Workplace(QObject):
 
         self.photos = PhotoControl(window, services, language)
         self.photos.told.connect(self.told)
+        self.second = SecondReview(window, services, host, theme_named(services.preferences.values.theme))
+        self.second.told.connect(self.told)
         self.gallery = GalleryControl(window, services, host, theme_named(services.preferences.values.theme))
 
     def show_enabled(self, actions_by_id: Mapping[str, QAction]) -> None:
         """Switch off what makes no sense on the page in front."""
         self.gallery.show_enabled(actions_by_id)
+        self.second.show_enabled(actions_by_id)
 
     def open_page(self, page: str) -> bool:
         """Show a page that is built when it is asked for; returns whether it is one of these."""
@@ -76,6 +80,7 @@ class Workplace(QObject):
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""
         self.gallery.apply_theme(theme)
+        self.second.apply_theme(theme)
         self.guide.apply_theme(theme)
 
     def stop(self) -> None:

@@ -283,7 +283,7 @@ def test_closing_the_survey_leaves_nothing_to_read(qtbot, window, session, grid)
     session.close()
     assert grid._rows == () or window.page == "start"
     assert grid._sound is None
-    assert not grid._loader.busy
+    qtbot.waitUntil(lambda: not grid._loader.busy)
 
 
 def test_the_selected_candidate_is_told_to_screen_readers(window, session, grid):

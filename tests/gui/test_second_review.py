@@ -1,14 +1,26 @@
 """A second reviewer judges blind, every word is on disc at once, and the first one's decisions are never touched."""
 
+import shutil
+
 import pytest
+from answering import AnsweringBoxes, CountingSink
+from PySide6.QtCore import QEvent, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLabel, QLineEdit
 from small_survey import candidate, make_folder, make_results, other_run
 
+from app.jobs import Jobs
+from app.main_window import MainWindow
 from app.review_commands import Decide, DecideMany, Mark, WriteNote
+from app.services import Services
+from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.errors import ErrorCode
 from processing.storage.folder import SurveyFolder
 from processing.survey import Decision, LeakClass, Verdict
+from widgets.reviewer_dialog import ReviewerDialog
 
+KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
 YES = Decision(Verdict.CONFIRMED, LeakClass.LEAK, "hears it well")
 NO = Decision(Verdict.REJECTED)
 SECOND = "Bülent Iğdır"
@@ -122,3 +134,150 @@ def test_a_refused_opinion_changes_nothing_and_is_told(session):
     assert told == [ErrorCode.SURVEY_READ_ONLY]
     assert session.decisions == {}
     assert not session.undo_stack.canUndo()
+
+
+# --- in the window
+
+
+@pytest.fixture
+def services(qapp, tmp_path):
+    preferences = PreferencesStore(tmp_path / "preferences.json")
+    services = Services(SurveySession(), Jobs(), preferences, None, lambda _rate: CountingSink(), lambda: None)
+    services.session.open(make_folder(tmp_path))
+    services.session.set_results(make_results(services.session.folder))
+    yield services
+    services.jobs.stop_all()
+    services.session.close()
+
+
+@pytest.fixture
+def window(qtbot, services):
+    window = MainWindow(services, "en")
+    window.boxes = AnsweringBoxes()
+    window.show_page("leaks")
+    window.show()
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    window.review_page.focus_views()
+    yield window
+    window.close()
+    window.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+
+
+def press(window, key, modifier=Qt.KeyboardModifier.NoModifier):
+    QTest.keyClick(QApplication.focusWidget() or window, key, modifier)
+
+
+def answer(monkeypatch, name):
+    """Let the dialog be answered with a name."""
+
+    def fill(dialog):
+        dialog.findChild(QLineEdit, "reviewer_name").setText(name)
+        return ReviewerDialog.DialogCode.Accepted
+
+    monkeypatch.setattr(ReviewerDialog, "exec", fill)
+
+
+def reviewed_twice(window, monkeypatch):
+    """First: yes yes no. Second, by keys alone: yes no no."""
+    for key in (KEY.Key_1, KEY.Key_1, KEY.Key_2):
+        press(window, key)
+    answer(monkeypatch, f"  {SECOND} ")
+    press(window, KEY.Key_J, CONTROL)
+    for key in (KEY.Key_1, KEY.Key_2, KEY.Key_2):
+        press(window, key)
+
+
+def test_the_blind_review_by_keys_hides_the_first_everywhere_and_ends_with_the_differences(
+    window, services, monkeypatch
+):
+    session = services.session
+    ids = session.ordered_ids()
+    for key in (KEY.Key_1, KEY.Key_1, KEY.Key_2):
+        press(window, key)
+    answer(monkeypatch, SECOND)
+    press(window, KEY.Key_J, CONTROL)
+    assert services.preferences.values.reviewer == SECOND
+    assert SECOND in window.notices.banner.text()
+    assert all(row.decision == Decision() for row in window.review_page.table.model.rows)
+    assert not any(d != Decision() for view in window.review_page.views for d in view._marks.decisions.values())
+    assert not window.actions_by_id["export"].isEnabled()
+    assert not window.actions_by_id["differences"].isEnabled()
+    press(window, KEY.Key_O)
+    grid = window.work.gallery.panel.grid
+    assert all(row.decision == Decision() for row in grid._rows)
+    press(window, KEY.Key_1)
+    assert window.page == "gallery"
+    assert [row.decision.verdict for row in grid._rows][:2] == [Verdict.CONFIRMED, Verdict.NONE]
+    window.show_page("report")
+    window.report.export()
+    assert not services.jobs.running  # no report of what one of two says
+    press(window, KEY.Key_J, CONTROL)
+    assert session.reviewer == ""
+    assert window.page == "differences"
+    assert session.decision(ids[1]).verdict is Verdict.CONFIRMED
+    assert window.actions_by_id["export"].isEnabled()
+
+
+def test_arrows_keep_the_first_or_take_the_second_logged_and_undone(window, services, monkeypatch):
+    session = services.session
+    ids = session.ordered_ids()
+    session.push(WriteNote(session, "note", ids[1], Decision(note="wet road"), typing=1))
+    reviewed_twice(window, monkeypatch)
+    session.push(WriteNote(session, "note", ids[1], Decision(Verdict.REJECTED, note="a valve"), typing=2))
+    press(window, KEY.Key_J, CONTROL)
+    panel = window.work.second.panel
+    assert [(row.candidate_id, row.first.verdict, row.second.verdict) for row in panel.shown] == [
+        (ids[1], Verdict.CONFIRMED, Verdict.REJECTED)
+    ]
+    assert "Judged by both: 3, alike: 2." in panel.findChild(QLabel, "agreement").text()
+    press(window, KEY.Key_Left)
+    assert panel.shown == ()
+    assert session.folder.review.decision_log()[-1].after.verdict is Verdict.CONFIRMED
+    press(window, KEY.Key_Z, CONTROL)
+    assert len(panel.shown) == 1
+    press(window, KEY.Key_Right)
+    assert session.decision(ids[1]) == Decision(Verdict.REJECTED, note=f"wet road\n{SECOND}: a valve")
+    assert session.folder.review.decision(ids[1]) == session.decision(ids[1])
+    assert session.folder.opinions.of(SECOND)[session.row(ids[1]).candidate.label].verdict is Verdict.REJECTED
+    press(window, KEY.Key_Z, CONTROL)
+    assert session.decision(ids[1]) == Decision(Verdict.CONFIRMED, note="wet road")
+    press(window, KEY.Key_Return)
+    assert window.page == "leaks"
+    assert session.selected == ids[1]
+
+
+def test_the_first_reviewer_cannot_be_the_second(qtbot):
+    dialog = ReviewerDialog("A. Şahin", "a.  şahin".upper().replace("İ", "I"), ())
+    qtbot.addWidget(dialog)
+    field = dialog.findChild(QLineEdit, "reviewer_name")
+    for name, able in (("", False), (" ", False), ("a. şahin", False), ("Bülent", True)):
+        field.setText(name)
+        assert dialog._go.isEnabled() is able, name
+
+
+def test_opinions_of_a_colleagues_copy_come_in_and_go_with_undo(qtbot, window, services, tmp_path):
+    session = services.session
+    ids = session.ordered_ids()
+    press(window, KEY.Key_1)
+    label = session.row(ids[0]).candidate.label
+    copy = tmp_path / "copy" / session.folder.path.name
+    shutil.copytree(session.folder.path, copy, ignore=shutil.ignore_patterns("survey.lock"))
+    with SurveyFolder.open(copy) as theirs:
+        theirs.opinions.give(label, "Cem", NO)
+    window.work.second.import_from(copy)
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    assert window.page == "differences"
+    assert session.folder.opinions.of("Cem") == {label: NO}
+    assert len(window.work.second.panel.shown) == 1
+    session.undo_stack.undo()
+    assert session.folder.opinions.of("Cem") == {}
+    assert window.work.second.panel.shown == ()
+    session.undo_stack.redo()
+    assert len(window.work.second.panel.shown) == 1
+
+
+def test_another_survey_or_a_copy_without_opinions_is_told(qtbot, window, services, tmp_path):
+    window.work.second.import_from(services.session.folder.path)
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    assert window.boxes.told == [ErrorCode.OPINIONS_NONE]
