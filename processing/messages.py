@@ -5,6 +5,9 @@ The texts stand in ``resources/messages/<language>/*.toml``; each file holds tab
 Numbers are filled in by :meth:`str.format`, so a sentence chooses its own digits: ``{gap_s:.1f} s``. Turkish has a
 decimal comma and writes the percent sign first; only the report keeps points, as it lists coordinates. The texts are
 metric; a number that one of the units of :data:`_IN_US` follows is told in US units where these are asked for.
+
+Every error and every finding says what is the matter, then :data:`THEN`, then what to do, be it that nothing is to be
+done; for the short ``reasons`` that stands in the table ``reasons_do``. A test holds all texts to it.
 """
 
 import re
@@ -20,6 +23,7 @@ from processing.quantities import GALLONS_PER_LITRE, METRES_PER_US_FOOT, PSI_PER
 from processing.survey import Finding
 
 LANGUAGES = ("en", "tr")
+THEN = " → "  # between what is the matter and what to do
 
 
 class _TurkishFormatter(string.Formatter):
@@ -95,6 +99,18 @@ def text_in(units: Units, table_name: str, key: str, language: str, **params: ob
 def finding_sentence(finding: Finding, language: str = "en", units: Units = Units.METRIC) -> str:
     """Return what a finding says to the operator."""
     return text_in(units, "findings", finding.code, language, **finding.params)
+
+
+def what_and_do(sentence: str) -> tuple[str, str]:
+    """Part the sentence of an error or a finding in what is the matter and what to do (empty where it has none)."""
+    what, _, do = sentence.partition(THEN)
+    return what, do
+
+
+def reason_sentence(reason: str, language: str = "en") -> str:
+    """Return a reason with what to do about it; a reason that no table knows as it is."""
+    known, do = table("reasons", language), table("reasons_do", language)
+    return f"{known[reason].rstrip('.')}{THEN}{do[reason]}" if reason in known and reason in do else reason
 
 
 def error_sentence(error: LeaklineError, language: str = "en", units: Units = Units.METRIC) -> str:

@@ -67,14 +67,16 @@ class FindingsPanel(QWidget):
 
     def _line(self, severity: Severity, text: str, start_s: float | None) -> str:
         image = f"<img src='sign:{severity.value}' width='{SIGN_PIXELS}' title='{escape(severity_text(severity))}'>"
-        words = escape(text)
+        what, do = messages.what_and_do(text)
+        grave = severity in (Severity.WARNING, Severity.MASKED)
+        words = f"{escape(what)}{messages.THEN}<b>{escape(do)}</b>" if do and grave else escape(text)
         if start_s is not None:
             words = f"<a href='{MOMENT}:{start_s!r}'>{words}</a>"
         return f"<tr><td width='{SIGN_PIXELS + 4}'>{image}</td><td style='vertical-align: middle'>{words}</td></tr>"
 
     def _stretch_text(self, stretch: Stretch) -> str:
         what = self.tr("Path") if stretch.channel is Channel.PATH else self.tr("Sound")
-        reason = messages.table("reasons", self._language).get(stretch.reason, stretch.reason)
+        reason = messages.reason_sentence(stretch.reason, self._language)
         return self.tr("{what} not assessed from {start} to {end}: {reason}").format(
             what=what, start=clock_text(stretch.start_s), end=clock_text(stretch.end_s), reason=reason
         )
