@@ -44,12 +44,28 @@
         <translation>Sesin tamamı, kaçak bandı ya da seçili adayın bandı</translation>
     </message>
     <message>
+        <source>Arrange panels, tabs and dividers as they were the first time</source>
+        <translation>Panelleri, sekmeleri ve ayırıcıları ilk hâline getirir</translation>
+    </message>
+    <message>
+        <source>Attach photos…</source>
+        <translation>Fotoğraf ekle…</translation>
+    </message>
+    <message>
+        <source>Attach pictures of the place to the selected leak; they can also be dropped on the page</source>
+        <translation>Seçili kaçağa yerin fotoğraflarını ekle; fotoğraflar sayfaya sürüklenip bırakılabilir de</translation>
+    </message>
+    <message>
+        <source>Attach the picture in the clipboard to the selected leak</source>
+        <translation>Panodaki resmi seçili kaçağa ekle</translation>
+    </message>
+    <message>
         <source>Begin a selection at the cursor; the second time, end it there</source>
         <translation>İmleçte bir seçim başlatır; ikinci basışta orada bitirir</translation>
     </message>
     <message>
         <source>Begin measuring at the cursor; the second time, end there; the third time, remove it</source>
-        <translation type="unfinished"></translation>
+        <translation>Ölçmeye imleçte başlar; ikinci basışta orada bitirir; üçüncüde ölçüyü kaldırır</translation>
     </message>
     <message>
         <source>Begin the recording; to stop it, press twice within three seconds</source>
@@ -57,7 +73,7 @@
     </message>
     <message>
         <source>Brighter</source>
-        <translation type="unfinished"></translation>
+        <translation>Daha parlak</translation>
     </message>
     <message>
         <source>Bring the cursor and all views to the selected candidate</source>
@@ -70,6 +86,10 @@
     <message>
         <source>Choose class and least score of the candidates that the list shows</source>
         <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Choose which panels this page shows</source>
+        <translation>Bu sayfanın hangi panelleri göstereceğini seçin</translation>
     </message>
     <message>
         <source>Class</source>
@@ -152,8 +172,20 @@
         <translation>Tanıtım ölçümü</translation>
     </message>
     <message>
+        <source>Differences between reviewers</source>
+        <translation>İnceleyenler arasındaki farklar</translation>
+    </message>
+    <message>
+        <source>Digs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Do the change again that was taken back</source>
         <translation>Geri alınan değişikliği yeniden yapar</translation>
+    </message>
+    <message>
+        <source>Enter what a dig showed beside what was stated, see all digs and what they say of the intervals; pressed again, go back</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Everything needed for the verdicts</source>
@@ -180,11 +212,19 @@
         <translation>İki sabit algılayıcının kayıtlarından aralarındaki kaçağı bulun</translation>
     </message>
     <message>
-        <source>Fixed contrast</source>
+        <source>Five hints</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
+        <source>Fixed contrast</source>
+        <translation>Sabit kontrast</translation>
+    </message>
+    <message>
         <source>Follow the playback</source>
+        <translation>Dinlemeyi izle</translation>
+    </message>
+    <message>
+        <source>Found at the dig</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -193,7 +233,11 @@
     </message>
     <message>
         <source>Gallery</source>
-        <translation type="unfinished"></translation>
+        <translation>Galeri</translation>
+    </message>
+    <message>
+        <source>Give the whole screen to the spectrogram; Escape goes back</source>
+        <translation>Bütün ekranı spektrograma verir; Esc geri döner</translation>
     </message>
     <message>
         <source>Go on without the mapped route; the path is computed again</source>
@@ -228,16 +272,8 @@
         <translation>Sesi topun kendi yuvarlanma gürültüsü olmadan ya da kaydedildiği gibi dinleyin ve görün</translation>
     </message>
     <message>
-        <source>Help</source>
-        <translation>Yardım</translation>
-    </message>
-    <message>
         <source>Hide more of what is quiet</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <source>How to go from folder to report</source>
-        <translation>Klasörden rapora nasıl gidilir</translation>
+        <translation>Kısık sesleri daha çok gizle</translation>
     </message>
     <message>
         <source>Import route…</source>
@@ -269,42 +305,50 @@
     </message>
     <message>
         <source>Let a drag in any view measure instead of pan</source>
-        <translation type="unfinished"></translation>
+        <translation>Her görünümde sürüklemek kaydırmaz, ölçer</translation>
     </message>
     <message>
         <source>Let a drag in the spectrogram select instead of pan</source>
         <translation>Spektrogramda sürüklemek kaydırmak yerine seçim yapar</translation>
     </message>
     <message>
+        <source>Let a second person judge without seeing the first verdicts; again: end it and compare</source>
+        <translation>İkinci bir kişi ilk kararları görmeden karar versin; yeniden basınca biter ve karşılaştırılır</translation>
+    </message>
+    <message>
         <source>Let the colours begin 3 dB louder; that is kept</source>
-        <translation type="unfinished"></translation>
+        <translation>Renkler 3 dB daha yüksekten başlar; bu hatırlanır</translation>
     </message>
     <message>
         <source>Let the colours begin 3 dB quieter; that is kept</source>
-        <translation type="unfinished"></translation>
+        <translation>Renkler 3 dB daha kısıktan başlar; bu hatırlanır</translation>
     </message>
     <message>
         <source>Let the colours end 3 dB louder; that is kept</source>
-        <translation type="unfinished"></translation>
+        <translation>Renkler 3 dB daha yüksekte biter; bu hatırlanır</translation>
     </message>
     <message>
         <source>Let the colours end 3 dB quieter; that is kept</source>
-        <translation type="unfinished"></translation>
+        <translation>Renkler 3 dB daha kısıkta biter; bu hatırlanır</translation>
     </message>
     <message>
         <source>Let the colours fit what is visible now; they stay so, and the bar says auto</source>
-        <translation type="unfinished"></translation>
+        <translation>Renkleri şu an görünene göre ayarlar; öyle kalır, çubukta "oto" yazar</translation>
     </message>
     <message>
         <source>Let the colours span the fixed decibels again, the same for every recording</source>
-        <translation type="unfinished"></translation>
+        <translation>Renkler yine sabit desibel aralığını gösterir; her kayıtta aynıdır</translation>
     </message>
     <message>
         <source>Let the cursor move the other end of what is measured</source>
-        <translation type="unfinished"></translation>
+        <translation>İmleç, ölçünün öbür ucunu taşır</translation>
     </message>
     <message>
         <source>Listen on arrival</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Manual</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -317,15 +361,15 @@
     </message>
     <message>
         <source>Measure</source>
-        <translation type="unfinished"></translation>
+        <translation>Ölç</translation>
     </message>
     <message>
         <source>Measure by dragging</source>
-        <translation type="unfinished"></translation>
+        <translation>Sürükleyerek ölç</translation>
     </message>
     <message>
         <source>Measure from here</source>
-        <translation type="unfinished"></translation>
+        <translation>Buradan ölç</translation>
     </message>
     <message>
         <source>Measure the selection as A, against what lies around it</source>
@@ -377,7 +421,7 @@
     </message>
     <message>
         <source>Move the other end</source>
-        <translation type="unfinished"></translation>
+        <translation>Öbür ucu taşı</translation>
     </message>
     <message>
         <source>Move the selected mark a fiftieth of what is shown away from the launch</source>
@@ -428,8 +472,24 @@
         <translation>Leakline ile gelen benzetim ölçümünü açar</translation>
     </message>
     <message>
+        <source>Opinions of a colleague…</source>
+        <translation>İş arkadaşının görüşleri…</translation>
+    </message>
+    <message>
+        <source>Panels…</source>
+        <translation>Paneller…</translation>
+    </message>
+    <message>
+        <source>Paste a photo</source>
+        <translation>Fotoğraf yapıştır</translation>
+    </message>
+    <message>
         <source>Path page</source>
         <translation>Yol sayfası</translation>
+    </message>
+    <message>
+        <source>Photos</source>
+        <translation>Fotoğraflar</translation>
     </message>
     <message>
         <source>Plan and profile large</source>
@@ -532,6 +592,10 @@
         <translation>Rapor sayfası</translation>
     </message>
     <message>
+        <source>Reset layout</source>
+        <translation>Düzeni sıfırla</translation>
+    </message>
+    <message>
         <source>Save diagnostics…</source>
         <translation>Tanılama dosyası kaydet…</translation>
     </message>
@@ -546,6 +610,10 @@
     <message>
         <source>Scale of frequencies</source>
         <translation>Frekans ölçeği</translation>
+    </message>
+    <message>
+        <source>Second review, blind</source>
+        <translation>İkinci inceleme (kör)</translation>
     </message>
     <message>
         <source>Select by dragging</source>
@@ -569,7 +637,7 @@
     </message>
     <message>
         <source>Show all candidates as pictures in metres, or go back; arrows choose, Enter opens, Z and X change the size</source>
-        <translation type="unfinished"></translation>
+        <translation>Tüm adayları metre ölçeğinde resimler olarak göster ya da geri dön; oklar seçer, Enter açar, Z ve X boyu değiştirir</translation>
     </message>
     <message>
         <source>Show all candidates in the list again</source>
@@ -581,11 +649,11 @@
     </message>
     <message>
         <source>Show half of it, around the cursor (wheel, or two fingers; with Ctrl up and down only)</source>
-        <translation type="unfinished"></translation>
+        <translation>İmlecin çevresinde yarısını gösterir (tekerlek ya da iki parmak; Ctrl ile yalnız yukarı-aşağı)</translation>
     </message>
     <message>
         <source>Show more of what is quiet</source>
-        <translation type="unfinished"></translation>
+        <translation>Kısık sesleri daha çok göster</translation>
     </message>
     <message>
         <source>Show short events, steady sounds, or what is over the local background</source>
@@ -596,20 +664,32 @@
         <translation>Sesi ve hareketi boru boyunca metreyle ya da zamanla gösterir</translation>
     </message>
     <message>
+        <source>Show the hints of the first start again; pressed again, the next one</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Show the photos of the selected leak, or the list again</source>
+        <translation>Seçili kaçağın fotoğraflarını ya da yeniden listeyi göster</translation>
+    </message>
+    <message>
         <source>Show the recording page: devices, levels, live path</source>
         <translation>Kayıt sayfasını açar: cihazlar, seviyeler, canlı güzergâh</translation>
     </message>
     <message>
         <source>Show the whole run (double click; on a leak it goes there)</source>
-        <translation type="unfinished"></translation>
+        <translation>Bütün ölçümü gösterir (çift tıklama; bir kaçağın üstünde oraya gider)</translation>
     </message>
     <message>
         <source>Show twice as much, around the cursor (wheel, or two fingers; Shift and wheel pans)</source>
-        <translation type="unfinished"></translation>
+        <translation>İmlecin çevresinde iki katını gösterir (tekerlek ya da iki parmak; Shift ve tekerlek kaydırır)</translation>
     </message>
     <message>
         <source>Show what speaks for and against a leak here, or the list again</source>
         <translation>Burada kaçaktan yana ve kaçağa karşı olanı göster, ya da yine listeyi</translation>
+    </message>
+    <message>
+        <source>Show where the second reviewer differs, side by side; arrows keep the first or take the second</source>
+        <translation>İkinci inceleyenin ayrıldığı yerleri yan yana göster; oklarla ilki kalır ya da ikincisi alınır</translation>
     </message>
     <message>
         <source>Slower</source>
@@ -618,6 +698,10 @@
     <message>
         <source>Sound page</source>
         <translation>Ses sayfası</translation>
+    </message>
+    <message>
+        <source>Spectrogram alone</source>
+        <translation>Yalnız spektrogram</translation>
     </message>
     <message>
         <source>Spectrogram, level and motion large</source>
@@ -652,11 +736,19 @@
         <translation>Borunun çizgisini haritadan al: GeoJSON, Shapefile, GeoPackage, KML, GPX, DXF ya da CSV</translation>
     </message>
     <message>
+        <source>Take the second opinions from a colleague's copy of this survey</source>
+        <translation>İkinci görüşleri, bu ölçümün iş arkadaşınızdaki kopyasından al</translation>
+    </message>
+    <message>
         <source>Take the verdict away and stay here</source>
         <translation>Kararı kaldırır ve burada kalır</translation>
     </message>
     <message>
         <source>Tell loud sounds apart</source>
+        <translation>Yüksek sesleri ayırt et</translation>
+    </message>
+    <message>
+        <source>The manual's page for what is in front; it needs no network</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -676,8 +768,8 @@
         <translation>Kararsız</translation>
     </message>
     <message>
-        <source>Use the whole screen, or go back</source>
-        <translation>Bütün ekranı kaplar ya da geri döner</translation>
+        <source>Use the whole screen without menus and steps; Escape goes back</source>
+        <translation>Menüler ve adımlar olmadan bütün ekranı kullanır; Esc geri döner</translation>
     </message>
     <message>
         <source>What is missing</source>
@@ -693,7 +785,7 @@
     </message>
     <message>
         <source>While it plays, turn pages, keep the cursor in the middle, or leave the view as it is</source>
-        <translation type="unfinished"></translation>
+        <translation>Çalarken sayfa çevirir, imleci ortada tutar ya da görünümü olduğu gibi bırakır</translation>
     </message>
     <message>
         <source>Why a leak</source>
@@ -1621,24 +1713,20 @@
 <context>
     <name>DecisionPanel</name>
     <message>
-        <source>0  Clear</source>
-        <translation>0  Temizle</translation>
-    </message>
-    <message>
-        <source>1  Confirm</source>
-        <translation>1  Onayla</translation>
-    </message>
-    <message>
-        <source>2  Reject</source>
-        <translation>2  Reddet</translation>
-    </message>
-    <message>
-        <source>3  Unsure</source>
-        <translation>3  Kararsız</translation>
-    </message>
-    <message>
         <source>Class</source>
         <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>Class (C); {sign} is what the machine takes it for</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Clear</source>
+        <translation>Temizle</translation>
+    </message>
+    <message>
+        <source>Confirm</source>
+        <translation>Onayla</translation>
     </message>
     <message>
         <source>No candidate selected</source>
@@ -1653,8 +1741,12 @@
         <translation>Not (Enter)</translation>
     </message>
     <message>
-        <source>{machine} (machine)</source>
-        <translation type="unfinished"></translation>
+        <source>Reject</source>
+        <translation>Reddet</translation>
+    </message>
+    <message>
+        <source>Unsure</source>
+        <translation>Kararsız</translation>
     </message>
 </context>
 <context>
@@ -1769,6 +1861,120 @@
     </message>
 </context>
 <context>
+    <name>DifferencesPanel</name>
+    <message>
+        <source>All differences</source>
+        <translation>Tüm farklar</translation>
+    </message>
+    <message>
+        <source>Differences between the reviewers</source>
+        <translation>İnceleyenler arasındaki farklar</translation>
+    </message>
+    <message>
+        <source>Enter  Open</source>
+        <translation>Enter  Aç</translation>
+    </message>
+    <message>
+        <source>First</source>
+        <translation>İlk</translation>
+    </message>
+    <message>
+        <source>First: {name}</source>
+        <translation>İlk: {name}</translation>
+    </message>
+    <message>
+        <source>Leak</source>
+        <translation>Kaçak</translation>
+    </message>
+    <message>
+        <source>Leaks page</source>
+        <translation>Kaçaklar sayfası</translation>
+    </message>
+    <message>
+        <source>Not settled</source>
+        <translation>Sonuca bağlanmamış</translation>
+    </message>
+    <message>
+        <source>Opinions of a colleague…</source>
+        <translation>İş arkadaşının görüşleri…</translation>
+    </message>
+    <message>
+        <source>Other verdict</source>
+        <translation>Kararı farklı</translation>
+    </message>
+    <message>
+        <source>Place</source>
+        <translation>Yer</translation>
+    </message>
+    <message>
+        <source>Second</source>
+        <translation>İkinci</translation>
+    </message>
+    <message>
+        <source>Second reviewer</source>
+        <translation>İkinci değerlendiren</translation>
+    </message>
+    <message>
+        <source>Second: {name}</source>
+        <translation>İkinci: {name}</translation>
+    </message>
+    <message>
+        <source>Take the second  →</source>
+        <translation>İkincisini al  →</translation>
+    </message>
+    <message>
+        <source>Which differences</source>
+        <translation>Hangi farklar</translation>
+    </message>
+    <message>
+        <source>←  Keep the first</source>
+        <translation>←  İlki kalsın</translation>
+    </message>
+</context>
+<context>
+    <name>DigControl</name>
+    <message>
+        <source>Damaged lines of the history that were left out: {count}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No digs are known yet. Each one that is entered here makes the statement better.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Process the survey first: what a dig showed belongs to a leak.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Saved: {what}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take in history of digs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write history of digs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>dig at {name}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>intervals as computed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>leak found elsewhere</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>wider intervals</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>DigForm</name>
     <message>
         <source>Add photo…</source>
@@ -1828,7 +2034,7 @@
     </message>
     <message>
         <source>Leak</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak</translation>
     </message>
     <message>
         <source>Measured to ± ({unit})</source>
@@ -1888,6 +2094,234 @@
     </message>
     <message>
         <source>◀ towards the launch</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>DigLedger</name>
+    <message>
+        <source>; {damaged} damaged lines left out</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>History of digs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Taking in the history of digs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Writing the history of digs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{count} digs of other surveys taken in</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{count} digs written to {file}</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>DigList</name>
+    <message>
+        <source>Digs of this survey</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Dug on</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Found</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Interval</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak</source>
+        <translation>Kaçak</translation>
+    </message>
+    <message>
+        <source>Off by</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Stated</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>inside</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>no leak</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>not stated</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>outside</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>DigPage</name>
+    <message>
+        <source>Back</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Digs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak found elsewhere…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Take in history…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>What all digs on this computer say</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write history…</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>DigWording</name>
+    <message>
+        <source>A leak that was found where none had been stated. Where was it?</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>In which direction was it found? Press one of the two arrows.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No place had been stated in metres: measure by tape, or leave the place empty.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>State all intervals of this report {factor} times as wide</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>State the intervals as computed again (now {factor} times as wide)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>This survey has no path to put coordinates on: measure by tape.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Type the chainage or the coordinates of the leak.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>What was found? Press Leak, Something else or Nothing.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>corrosion</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>crack</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>earlier repair</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>found at {place}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>hole</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>joint</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>leak</source>
+        <translation>kaçak</translation>
+    </message>
+    <message>
+        <source>no leak where one was stated</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>not measured: it counts as found, not as an error</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>not stated before: it is marked by hand, confirmed</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>nothing</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>outside the stated interval</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>run {run}, {day}: {place}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>service connection</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>something else</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>the stated interval holds it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>valve</source>
+        <translation>vana</translation>
+    </message>
+    <message>
+        <source>{length} away from launch ▶</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{length} beside the path</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name}, stated at {place}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name}: a leak that had not been stated</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{name}: the present run has no such place any more</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>◀ {length} towards launch</source>
         <translation type="unfinished"></translation>
     </message>
 </context>
@@ -2101,7 +2535,7 @@
     <name>GalleryGrid</name>
     <message>
         <source>Gallery of the candidates</source>
-        <translation type="unfinished"></translation>
+        <translation>Adaylar galerisi</translation>
     </message>
 </context>
 <context>
@@ -2128,15 +2562,15 @@
     </message>
     <message>
         <source>Each picture: ± {half} around the moment, colours from {low} to {high} dB. There is no path, so nothing can be said in metres.</source>
-        <translation type="unfinished"></translation>
+        <translation>Her resim: anın ± {half} çevresi, renkler {low} ile {high} dB arası. Yol olmadığı için metre olarak bir şey söylenemez.</translation>
     </message>
     <message>
         <source>Each picture: ± {half} around the place, colours from {low} to {high} dB. Brackets: 95 % interval. Strokes at the sides: band. Curve: level over the background, dashed: threshold.</source>
-        <translation type="unfinished"></translation>
+        <translation>Her resim: yerin ± {half} çevresi, renkler {low} ile {high} dB arası. Köşeli çizgiler: %95 aralığı. Yanlardaki çizgiler: bant. Eğri: arka plana göre düzey, kesikli: eşik.</translation>
     </message>
     <message>
         <source>Enter  Open</source>
-        <translation type="unfinished"></translation>
+        <translation>Enter  Aç</translation>
     </message>
     <message>
         <source>From the launch on</source>
@@ -2144,35 +2578,35 @@
     </message>
     <message>
         <source>Larger (Z)</source>
-        <translation type="unfinished"></translation>
+        <translation>Daha büyük (Z)</translation>
     </message>
     <message>
         <source>N  Filter</source>
-        <translation type="unfinished"></translation>
+        <translation>N  Süzgeç</translation>
     </message>
     <message>
         <source>No leak candidates were found. M marks one by hand on the leaks page.</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak adayı bulunamadı. Kaçaklar sayfasında M tuşu elle işaretler.</translation>
     </message>
     <message>
         <source>O  Leaks page</source>
-        <translation type="unfinished"></translation>
+        <translation>O  Kaçaklar sayfası</translation>
     </message>
     <message>
         <source>Order of the gallery</source>
-        <translation type="unfinished"></translation>
+        <translation>Galerinin sırası</translation>
     </message>
     <message>
         <source>Smaller pictures (X)</source>
-        <translation type="unfinished"></translation>
+        <translation>Daha küçük resimler (X)</translation>
     </message>
     <message>
         <source>The filter hides all candidates. N shows the next filter.</source>
-        <translation type="unfinished"></translation>
+        <translation>Süzgeç tüm adayları gizliyor. N sonraki süzgece geçer.</translation>
     </message>
     <message>
         <source>{count} shown by the filter</source>
-        <translation type="unfinished"></translation>
+        <translation>süzgeçle gösterilen: {count}</translation>
     </message>
     <message>
         <source>{decided} of {all} decided</source>
@@ -2180,6 +2614,93 @@
     </message>
     <message>
         <source>⇧Space  Listen</source>
+        <translation>⇧Boşluk  Dinle</translation>
+    </message>
+</context>
+<context>
+    <name>Gestures</name>
+    <message>
+        <source>Click in a view</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Click on a candidate's mark</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Closer or wider, around the pointer</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Double click</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Drag</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Drag a border between views</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Drag a tie point</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Drop a folder or a map on the window</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Give one more room; it is remembered</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Go there, close enough to see it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Mouse and fingers</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Move it; the path follows at once</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Move what is shown</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Open the folder, or import the route</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Press a light</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Put the cursor there; all views follow</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Say what that step lacks, and lead there</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Select a stretch and a band</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Select that candidate</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Shift and drag in the spectrogram</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Wheel, or two fingers apart</source>
         <translation type="unfinished"></translation>
     </message>
 </context>
@@ -2227,65 +2748,125 @@
     </message>
 </context>
 <context>
-    <name>HelpControl</name>
+    <name>HandoverForm</name>
     <message>
-        <source>Help</source>
-        <translation>Yardım</translation>
+        <source>All</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
-        <source>Keys</source>
-        <translation>Tuşlar</translation>
+        <source>All of it also as one zip file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Coordinate system of the map files</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>DXF (drawing)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Excel tables</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Files for others</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>GPX (GPS receivers)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>GeoPackage (QGIS)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>KML (Google Earth)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leakline's, with their unit</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Lengths in tables</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Log of decisions</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Names of columns</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>None</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Number of the pipe</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Raven (sound)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Shapefile (GIS)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Tables and map files</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The launch has no known place: map files are in local metres, KML and GPX are left out.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>US survey feet</source>
+        <translation>ABD ölçme ayağı</translation>
+    </message>
+    <message>
+        <source>as the asset system has it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>for asset systems: pipe_id, leak_distance, x, y</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>metres</source>
+        <translation>metre</translation>
+    </message>
+    <message>
+        <source>{crs} (as proposed)</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>HelpControl</name>
+    <message>
+        <source>Leakline: keys and gestures</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Print (PDF)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Save diagnostics</source>
         <translation>Tanılama dosyasını kaydet</translation>
     </message>
     <message>
-        <source>The file could not be written: {reason}</source>
-        <translation>Dosya yazılamadı: {reason}</translation>
-    </message>
-</context>
-<context>
-    <name>HelpWindow</name>
-    <message>
-        <source>Close</source>
-        <translation>Kapat</translation>
+        <source>The file could not be written: {reason}. Choose another folder.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
-        <source>Copy the folder off the device and drop it on this window, or open it with Ctrl+O.</source>
-        <translation>Klasörü cihazdan kopyalayıp bu pencereye bırakın ya da Ctrl+O ile açın.</translation>
-    </message>
-    <message>
-        <source>Everything is saved at once. You may close the laptop at any moment.</source>
-        <translation>Her şey anında kaydedilir. Bilgisayarı istediğiniz an kapatabilirsiniz.</translation>
-    </message>
-    <message>
-        <source>Export with Ctrl+E: the report, the tables and the map file are written into the survey folder.</source>
-        <translation>Ctrl+E ile dışa aktarın: rapor, tablolar ve harita dosyası ölçüm klasörüne yazılır.</translation>
-    </message>
-    <message>
-        <source>From folder to report</source>
-        <translation>Klasörden rapora</translation>
-    </message>
-    <message>
-        <source>Go through the candidates: Space plays, 1 confirms, 2 rejects, 3 leaves it open.</source>
-        <translation>Adayları tek tek gözden geçirin: Boşluk çalar, 1 onaylar, 2 reddeder, 3 açık bırakır.</translation>
-    </message>
-    <message>
-        <source>Look at the findings, fill in the form and the tie points, and press Process.</source>
-        <translation>Bulgulara bakın, formu ve bağlama noktalarını doldurun, İşle düğmesine basın.</translation>
-    </message>
-    <message>
-        <source>Or record here: Ctrl+N shows the devices, F5 begins, M marks what is passed, F5 pressed twice stops.</source>
-        <translation>Ya da burada kaydedin: Ctrl+N cihazları gösterir, F5 başlatır, M geçilen yeri işaretler, F5 iki kez basılınca durdurur.</translation>
-    </message>
-    <message>
-        <source>Press Enter for a note. Ctrl+Z takes back whatever you did.</source>
-        <translation>Not için Enter'a basın. Ctrl+Z yaptığınız her şeyi geri alır.</translation>
-    </message>
-    <message>
-        <source>Two fixed sensors either side of a leak: Ctrl+K opens the correlator. Drop both recordings on it, say what pipe lies between them, and read the leak's place; tap on the pipe beyond a sensor to measure the speed.</source>
-        <translation>Kaçağın iki yanında iki sabit algılayıcı varsa: Ctrl+K korelatörü açar. İki kaydı üzerine bırakın, aralarındaki boruyu girin ve kaçağın yerini okuyun; hızı ölçmek için bir algılayıcının ötesinde boruya vurun.</translation>
+        <source>Written to {folder}</source>
+        <translation>Yazıldı: {folder}</translation>
     </message>
 </context>
 <context>
@@ -2330,10 +2911,6 @@
         <translation>ivme</translation>
     </message>
     <message>
-        <source>m/s</source>
-        <translation>m/s</translation>
-    </message>
-    <message>
         <source>m/s²</source>
         <translation>m/s²</translation>
     </message>
@@ -2359,6 +2936,45 @@
     <message>
         <source>Stopping …</source>
         <translation>Durduruluyor …</translation>
+    </message>
+</context>
+<context>
+    <name>KeySheetWindow</name>
+    <message>
+        <source>Close</source>
+        <translation>Kapat</translation>
+    </message>
+    <message>
+        <source>Keys</source>
+        <translation>Tuşlar</translation>
+    </message>
+    <message>
+        <source>Keys and gestures</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Larger letters</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No key does that. Search for fewer words, or look into the menus.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Print (PDF)…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Search: what it does, or a key</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Smaller letters</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write the sheet as a PDF to print</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2484,8 +3100,12 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
-        <source>Best score first</source>
-        <translation>Puana göre</translation>
+        <source>By place</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>By score</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Clear filter</source>
@@ -2498,10 +3118,6 @@
     <message>
         <source>Filter by class and score; listen to each candidate on arrival (Shift+N)</source>
         <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <source>From the launch on</source>
-        <translation>Hat metresine göre</translation>
     </message>
     <message>
         <source>More…</source>
@@ -2614,6 +3230,41 @@
     <message>
         <source>Sound</source>
         <translation>Ses</translation>
+    </message>
+</context>
+<context>
+    <name>ManualWindow</name>
+    <message>
+        <source>Close</source>
+        <translation>Kapat</translation>
+    </message>
+    <message>
+        <source>Contents</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Forward →</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Manual</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>No page has all of these words. Search for fewer of them.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Page of the manual</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Search the manual</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>← Back</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2735,16 +3386,12 @@
 <context>
     <name>MeasureControl</name>
     <message>
-        <source>The error of a length is taken from those of its two ends as if they were independent: it is at most this</source>
-        <translation type="unfinished"></translation>
+        <source>Length with its 95 % interval, time, mean speed and step in level from the first end to the second. The errors of the two ends are taken as independent, so the true interval is at most this wide: close to each other, both ends are off by nearly the same.</source>
+        <translation>% 95 aralığıyla uzunluk, süre, ortalama hız ve ilk uçtan ikinciye seviye farkı. İki ucun hataları bağımsız sayılır; gerçek aralık en çok bu kadar geniştir: birbirine yakın uçlar hemen hemen aynı kadar kayar.</translation>
     </message>
     <message>
         <source>{seconds} s</source>
         <translation>{seconds} s</translation>
-    </message>
-    <message>
-        <source>Δ {length} at most (95 %)</source>
-        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2822,6 +3469,10 @@
         <source>Read-only: nothing can be changed</source>
         <translation>Salt okunur: hiçbir şey değiştirilemez</translation>
     </message>
+    <message>
+        <source>Second review by {name}, blind: Ctrl+J ends it</source>
+        <translation>İkinci inceleme (kör): {name}. Ctrl+J bitirir</translation>
+    </message>
 </context>
 <context>
     <name>OptionalNumber</name>
@@ -2835,6 +3486,60 @@
     <message>
         <source>Overview of the whole run</source>
         <translation>Bütün koşuya genel bakış</translation>
+    </message>
+</context>
+<context>
+    <name>PagePanels</name>
+    <message>
+        <source>Elevation profile</source>
+        <translation>Yükseklik profili</translation>
+    </message>
+    <message>
+        <source>Level</source>
+        <translation>Seviye</translation>
+    </message>
+    <message>
+        <source>List and verdict</source>
+        <translation>Liste ve karar</translation>
+    </message>
+    <message>
+        <source>Motion</source>
+        <translation>Hareket</translation>
+    </message>
+    <message>
+        <source>Overview of the run</source>
+        <translation>Ölçüme genel bakış</translation>
+    </message>
+    <message>
+        <source>Panels</source>
+        <translation>Paneller</translation>
+    </message>
+    <message>
+        <source>Plan</source>
+        <translation>Plan</translation>
+    </message>
+    <message>
+        <source>Spectrogram</source>
+        <translation>Spektrogram</translation>
+    </message>
+</context>
+<context>
+    <name>PagePictures</name>
+    <message>
+        <source>Next ▶</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Page {page} of {count}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Pages of the report</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>◀ Back</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -2883,10 +3588,6 @@
         <translation>bırakma</translation>
     </message>
     <message>
-        <source>m</source>
-        <translation>m</translation>
-    </message>
-    <message>
         <source>retrieval</source>
         <translation>çıkarma</translation>
     </message>
@@ -2908,6 +3609,131 @@
     <message>
         <source>phase left (°)</source>
         <translation>kalan faz (°)</translation>
+    </message>
+</context>
+<context>
+    <name>PhotoControl</name>
+    <message>
+        <source>Attach photos</source>
+        <translation>Fotoğraf ekle</translation>
+    </message>
+    <message>
+        <source>Copying photos</source>
+        <translation>Fotoğraflar kopyalanıyor</translation>
+    </message>
+    <message>
+        <source>Is it a photo of this leak?</source>
+        <translation>Bu kaçağın fotoğrafı mı?</translation>
+    </message>
+    <message>
+        <source>Photos</source>
+        <translation>Fotoğraflar</translation>
+    </message>
+    <message>
+        <source>Pictures</source>
+        <translation>Resimler</translation>
+    </message>
+    <message>
+        <source>Taken at {place}.</source>
+        <translation>Çekildiği yer: {place}.</translation>
+    </message>
+    <message>
+        <source>Taken {day}, {time}.</source>
+        <translation>Çekim: {day}, {time}.</translation>
+    </message>
+    <message>
+        <source>The photo does not say where it was taken.</source>
+        <translation>Fotoğrafta çekildiği yer yazmıyor.</translation>
+    </message>
+    <message>
+        <source>There is no picture in the clipboard. Copy one first.</source>
+        <translation>Panoda resim yok. Önce bir resim kopyalayın.</translation>
+    </message>
+    <message>
+        <source>This photo is attached to {name} already.</source>
+        <translation>Bu fotoğraf {name} için zaten eklenmiş.</translation>
+    </message>
+    <message>
+        <source>This photo was taken {metres} from the stated place.</source>
+        <translation>Bu fotoğraf belirtilen yerden {metres} uzakta çekilmiş.</translation>
+    </message>
+    <message>
+        <source>caption of {name}</source>
+        <translation>{name} fotoğraf yazısı</translation>
+    </message>
+    <message>
+        <source>photo of {name}</source>
+        <translation>{name} fotoğrafı</translation>
+    </message>
+    <message>
+        <source>remove photo of {name}</source>
+        <translation>{name} fotoğrafını kaldır</translation>
+    </message>
+</context>
+<context>
+    <name>PhotoDialog</name>
+    <message>
+        <source>Photo</source>
+        <translation>Fotoğraf</translation>
+    </message>
+    <message>
+        <source>The photo is being read…</source>
+        <translation>Fotoğraf okunuyor…</translation>
+    </message>
+</context>
+<context>
+    <name>PhotoPanel</name>
+    <message>
+        <source>Caption</source>
+        <translation>Açıklama</translation>
+    </message>
+    <message>
+        <source>Caption of the photo</source>
+        <translation>Fotoğrafın açıklaması</translation>
+    </message>
+    <message>
+        <source>Ctrl+V  Paste</source>
+        <translation>Ctrl+V  Yapıştır</translation>
+    </message>
+    <message>
+        <source>No candidate selected</source>
+        <translation>Aday seçilmedi</translation>
+    </message>
+    <message>
+        <source>No photo yet. Attach one, paste it, or drop it here.</source>
+        <translation>Henüz fotoğraf yok. Ekleyin, yapıştırın ya da buraya bırakın.</translation>
+    </message>
+    <message>
+        <source>No photo.</source>
+        <translation>Fotoğraf yok.</translation>
+    </message>
+    <message>
+        <source>Photos of this leak</source>
+        <translation>Bu kaçağın fotoğrafları</translation>
+    </message>
+    <message>
+        <source>Remove</source>
+        <translation>Sil</translation>
+    </message>
+    <message>
+        <source>Show large</source>
+        <translation>Büyüt</translation>
+    </message>
+    <message>
+        <source>The photo is being read…</source>
+        <translation>Fotoğraf okunuyor…</translation>
+    </message>
+    <message>
+        <source>photo {number}</source>
+        <translation>fotoğraf {number}</translation>
+    </message>
+    <message>
+        <source>{name}: photos: {count}</source>
+        <translation>{name}: fotoğraf: {count}</translation>
+    </message>
+    <message>
+        <source>⇧P  Attach…</source>
+        <translation>⇧P  Ekle…</translation>
     </message>
 </context>
 <context>
@@ -3040,10 +3866,6 @@
 </context>
 <context>
     <name>PlotFrame</name>
-    <message>
-        <source>m</source>
-        <translation>m</translation>
-    </message>
     <message>
         <source>time</source>
         <translation>zaman</translation>
@@ -3280,12 +4102,8 @@
         <translation>Henüz yol yok</translation>
     </message>
     <message>
-        <source>elevation (m)</source>
-        <translation>yükseklik (m)</translation>
-    </message>
-    <message>
-        <source>m</source>
-        <translation>m</translation>
+        <source>elevation ({unit})</source>
+        <translation>yükseklik ({unit})</translation>
     </message>
 </context>
 <context>
@@ -3756,12 +4574,24 @@ bir daha</translation>
 <context>
     <name>ReportControl</name>
     <message>
+        <source>Coordinate systems</source>
+        <translation>Koordinat sistemleri</translation>
+    </message>
+    <message>
+        <source>End the second review first (Ctrl+J): a report tells what was decided in the end.</source>
+        <translation>Önce ikinci incelemeyi bitirin (Ctrl+J): rapor sonunda neye karar verildiğini anlatır.</translation>
+    </message>
+    <message>
         <source>Export</source>
         <translation>Dışa aktar</translation>
     </message>
     <message>
         <source>Export into</source>
         <translation>Dışa aktarılacak klasör</translation>
+    </message>
+    <message>
+        <source>Pages of the report</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Written to {folder}</source>
@@ -3775,8 +4605,16 @@ bir daha</translation>
 <context>
     <name>ReportPanel</name>
     <message>
-        <source>Class</source>
-        <translation>Sınıf</translation>
+        <source>Back to the list</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Cancel</source>
+        <translation>İptal</translation>
+    </message>
+    <message>
+        <source>Draft: places undecided or unsure: {count}. Each page of the report says so.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Export report and files</source>
@@ -3787,8 +4625,39 @@ bir daha</translation>
         <translation>Şimdiye kadarki raporlar</translation>
     </message>
     <message>
+        <source>Go to the next undecided</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Language of the report</source>
         <translation>Raporun dili</translation>
+    </message>
+    <message>
+        <source>Open folder</source>
+        <translation>Klasörü aç</translation>
+    </message>
+    <message>
+        <source>Open report</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>See the pages</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>What will be written</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>ReportWords</name>
+    <message>
+        <source>Class</source>
+        <translation>Sınıf</translation>
+    </message>
+    <message>
+        <source>Left out or cut:</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Length of the path</source>
@@ -3803,10 +4672,6 @@ bir daha</translation>
         <translation>Not</translation>
     </message>
     <message>
-        <source>Open folder</source>
-        <translation>Klasörü aç</translation>
-    </message>
-    <message>
         <source>Stretches not assessed, listed in the report: {count}</source>
         <translation>Raporda listelenen, değerlendirilmeyen bölüm: {count}</translation>
     </message>
@@ -3819,20 +4684,44 @@ bir daha</translation>
         <translation>Yazılacak dosyalar</translation>
     </message>
     <message>
-        <source>This is a draft: candidates undecided or unsure: {count}</source>
-        <translation>Bu bir taslaktır: karar bekleyen ya da kararsız aday: {count}</translation>
-    </message>
-    <message>
         <source>Verdict</source>
         <translation>Karar</translation>
+    </message>
+    <message>
+        <source>all files, columns and units explained</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>all of it in one file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>for Google Earth and phones</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>leaks, pipe by status and track for QGIS and others</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>one row a candidate</source>
         <translation>her aday için bir satır</translation>
     </message>
     <message>
+        <source>points and path for GPS receivers</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>selection tables for each sound file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>settings, versions and file hashes</source>
         <translation>ayarlar, sürümler ve dosyaların parmak izleri</translation>
+    </message>
+    <message>
+        <source>the drawing, leaks as blocks</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>the path with its accuracy</source>
@@ -3843,12 +4732,28 @@ bir daha</translation>
         <translation>haritalı rapor: konumların kesinliği ve her kaçak için bir bölüm</translation>
     </message>
     <message>
+        <source>the same as Shapefiles</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>the same for Excel, and the stretches, headings in words</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>the same for a map program</source>
         <translation>aynı bilgiler, harita programı için</translation>
     </message>
     <message>
         <source>to</source>
         <translation>Yer:</translation>
+    </message>
+    <message>
+        <source>who decided what when</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{count} files written to {folder}</source>
+        <translation type="unfinished"></translation>
     </message>
 </context>
 <context>
@@ -3931,6 +4836,33 @@ bir daha</translation>
     <message>
         <source>Why</source>
         <translation>Neden</translation>
+    </message>
+</context>
+<context>
+    <name>ReviewerDialog</name>
+    <message>
+        <source>A second person judges all candidates without seeing what the first one said. Their verdicts are kept beside the first ones, which stay as they are. Afterwards both are compared.</source>
+        <translation>İkinci bir kişi, ilk inceleyenin ne dediğini görmeden tüm adaylar için karar verir. Kararları ilk kararların yanında saklanır; ilk kararlar olduğu gibi kalır. Sonra ikisi karşılaştırılır.</translation>
+    </message>
+    <message>
+        <source>Cancel</source>
+        <translation>İptal</translation>
+    </message>
+    <message>
+        <source>Name of the second reviewer</source>
+        <translation>İkinci inceleyenin adı</translation>
+    </message>
+    <message>
+        <source>Review blind</source>
+        <translation>Kör incelemeye başla</translation>
+    </message>
+    <message>
+        <source>Second reviewer</source>
+        <translation>İkinci değerlendiren</translation>
+    </message>
+    <message>
+        <source>This is the first reviewer. The second has to be somebody else.</source>
+        <translation>Bu, ilk inceleyenin adı. İkinci inceleyen başka biri olmalı.</translation>
     </message>
 </context>
 <context>
@@ -4109,9 +5041,56 @@ bir daha</translation>
         <source>Start</source>
         <translation>Baş</translation>
     </message>
+</context>
+<context>
+    <name>SecondReview</name>
     <message>
-        <source>m</source>
-        <translation>m</translation>
+        <source>A colleague's copy of this survey</source>
+        <translation>Bu ölçümün iş arkadaşınızdaki kopyası</translation>
+    </message>
+    <message>
+        <source>Cohen's kappa (1: full agreement, 0: as by chance) {kappa}, 95 % interval {low} … {high}.</source>
+        <translation>Cohen kappa değeri (1: tam uyum, 0: rastlantı kadar) {kappa}, %95 aralığı {low} … {high}.</translation>
+    </message>
+    <message>
+        <source>Judged by both: {count}, alike: {alike}.</source>
+        <translation>İkisinin de karar verdiği: {count}, aynı karar: {alike}.</translation>
+    </message>
+    <message>
+        <source>Left out, as their leak is not at its place here: {count}.</source>
+        <translation>Kaçağı burada aynı yerde olmadığı için alınmayan: {count}.</translation>
+    </message>
+    <message>
+        <source>Nobody has reviewed a second time yet. Ctrl+J begins.</source>
+        <translation>Henüz ikinci inceleme yapılmadı. Ctrl+J başlatır.</translation>
+    </message>
+    <message>
+        <source>Opinions taken: {count} of {name}.</source>
+        <translation>Alınan görüş: {count} ({name}).</translation>
+    </message>
+    <message>
+        <source>Reading opinions</source>
+        <translation>Görüşler okunuyor</translation>
+    </message>
+    <message>
+        <source>Second review by {name}: the first verdicts are hidden. Ctrl+J ends it.</source>
+        <translation>İkinci inceleme: {name}. İlk kararlar gizli. Ctrl+J bitirir.</translation>
+    </message>
+    <message>
+        <source>With so few leaks this figure says little.</source>
+        <translation>Bu kadar az kaçakla bu değer pek bir şey söylemez.</translation>
+    </message>
+    <message>
+        <source>opinions of {name}</source>
+        <translation>{name} görüşleri</translation>
+    </message>
+    <message>
+        <source>{name}: first verdict kept</source>
+        <translation>{name}: ilk karar kaldı</translation>
+    </message>
+    <message>
+        <source>{name}: second verdict taken</source>
+        <translation>{name}: ikinci karar alındı</translation>
     </message>
 </context>
 <context>
@@ -4329,15 +5308,15 @@ bir daha</translation>
     </message>
     <message>
         <source>auto</source>
-        <translation type="unfinished"></translation>
+        <translation>oto</translation>
     </message>
     <message>
         <source>fixed</source>
-        <translation type="unfinished"></translation>
+        <translation>sabit</translation>
     </message>
     <message>
         <source>{percent} % is too quiet for these colours: K fits them</source>
-        <translation type="unfinished"></translation>
+        <translation>% {percent} kadarı bu renkler için çok kısık: K ayarlar</translation>
     </message>
 </context>
 <context>
@@ -4628,8 +5607,12 @@ bir daha</translation>
 <context>
     <name>StepBar</name>
     <message>
+        <source>More tools</source>
+        <translation>Diğer araçlar</translation>
+    </message>
+    <message>
         <source>Tie points</source>
-        <translation>Bağlama noktaları</translation>
+        <translation>Bağlama</translation>
     </message>
 </context>
 <context>
@@ -4986,30 +5969,99 @@ bir daha</translation>
     </message>
 </context>
 <context>
+    <name>TourBubble</name>
+    <message>
+        <source>Close</source>
+        <translation>Kapat</translation>
+    </message>
+    <message>
+        <source>Done</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Next →</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>← Back</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>TourControl</name>
+    <message>
+        <source>Begin here</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Hand it over</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Listen</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Nothing is final</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>One key is a verdict</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Open the folder that you copied off the device ({open}), or drop it on the window. To try it first, take the demonstration ({demo}): nothing can be broken there.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{confirm} is a leak, {reject} is none, {unsure} is unsure. Each goes on to the next undecided one and is on the disc at once.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{export} writes the report with one dig sheet a leak, and the files for maps. The lights beside the steps say what is missing ({missing}); {help} opens the manual. These hints: {tour}.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{play} plays from the cursor. {loop} plays the selected candidate again and again, with two seconds of lead-in. What you see is what you hear.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>{undo} takes back whatever you did, one step after the other, and brings you back to where it was.</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>ViewMenus</name>
+    <message>
+        <source>Axes, colours</source>
+        <translation>Eksen, renk</translation>
+    </message>
+</context>
+<context>
     <name>ViewTools</name>
     <message>
         <source>Full screen, and back (F11)</source>
-        <translation type="unfinished"></translation>
+        <translation>Tam ekran ve geri (F11)</translation>
     </message>
     <message>
         <source>Measure: drag in any view (R at the cursor)</source>
-        <translation type="unfinished"></translation>
+        <translation>Ölç: herhangi bir görünümde sürükleyin (R imleçte)</translation>
     </message>
     <message>
         <source>The views follow the playback page by page (H)</source>
-        <translation type="unfinished"></translation>
+        <translation>Görünümler dinlemeyi sayfa sayfa izler (H)</translation>
     </message>
     <message>
         <source>The views follow the playback with the cursor in the middle (H)</source>
-        <translation type="unfinished"></translation>
+        <translation>Görünümler dinlemeyi imleç ortada kalacak biçimde izler (H)</translation>
     </message>
     <message>
         <source>The views stay while it plays (H)</source>
-        <translation type="unfinished"></translation>
+        <translation>Çalarken görünümler yerinde kalır (H)</translation>
     </message>
     <message>
         <source>You have moved the view: it waits until the playback comes by, or H</source>
-        <translation type="unfinished"></translation>
+        <translation>Görünümü kaydırdınız: dinleme buraya gelene ya da H tuşuna basılana dek bekler</translation>
     </message>
 </context>
 <context>
