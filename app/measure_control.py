@@ -77,7 +77,7 @@ class MeasureControl(QObject):
         if found is None:
             return seconds, seconds
         short = f"{write.number(found.metres * write.length_factor, 1)} ± {write.length(found.half95_m, 1)}"
-        parts = [self.tr("Δ {length} at most (95 %)").format(length=short), seconds]
+        parts = [f"Δ {short}", seconds]
         if math.isfinite(found.speed_mps):
             parts.append(f"{write.number(found.speed_mps * write.length_factor, 2)} {write.length_unit}/s")
         louder = self.level_step_db()
@@ -90,7 +90,9 @@ class MeasureControl(QObject):
         label, whole = self.texts()
         self._ruler.label = label
         hint = self.tr(
-            "The error of a length is taken from those of its two ends as if they were independent: it is at most this"
+            "Length with its 95 % interval, time, mean speed and step in level from the first end to the second. The "
+            "errors of the two ends are taken as independent, so the true interval is at most this wide: close to each "
+            "other, both ends are off by nearly the same."
         )
         self._page.show_measured(whole, hint if whole else "")
 

@@ -139,5 +139,5 @@ def paint_ruler_on_plan(painter: QPainter, theme: Theme, pixels: list[QPointF], 
     width, height = metrics.horizontalAdvance(label) + 14.0, metrics.height() + 4.0
     if label and room.width() > width and room.adjusted(-40, -40, 40, 40).contains(middle):
         x = min(max(middle.x() - 0.5 * width, room.left() + 4), room.right() - width - 4)
-        y = min(max(middle.y() - height - 16.0, room.top() + 4), room.bottom() - height - 4)
+        y = min(max(middle.y() - height - 28.0, room.top() + 4), room.bottom() - height - 4)
         paint_tag(painter, theme, label, QRectF(x, y, width, height), strong=True)
