@@ -4,16 +4,16 @@ Three arrangements of the same widgets: ``path`` (plan and profile large), ``sou
 (everything that a verdict needs).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidget
 
 from app import view_data
 from app.page_tools import PageTools, TabTools
-from processing.survey import TiePoint, Track
+from processing.survey import Candidate, Decision, TiePoint, Track
 from widgets.band_panel import BandPanel
 from widgets.candidate_row import CandidateRow
 from widgets.candidate_table import CandidateTable
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from processing.results import Results
 
 READOUT_LEVEL = "dB"
+AFTER_FRAME_MS = 12  # Qt paints what is due within 5 ms: what waits longer is painted after it
 
 
 class ReviewPage(QWidget):
@@ -61,6 +62,9 @@ class ReviewPage(QWidget):
         self._results: Results | None = None
         self._track: Track | None = None  # drawn: of the results, or of a newer fit
         self._rows: tuple[CandidateRow, ...] = ()
+        self._marked: tuple[Sequence[Candidate], Mapping[int, Decision]] = ((), {})
+        self._selected: int | None = None
+        self._others_wait = False
         self._pointed: Readout | None = None
         self.path = PathView(cursor, theme)
         self.profile = ProfileView(cursor, theme)
@@ -233,13 +237,33 @@ class ReviewPage(QWidget):
         if track is not None and results is not None and track is not results.track:
             candidates = view_data.moved(candidates, track)
         decisions = {row.candidate.id: row.decision for row in rows}
-        for view in self.views:
-            view.set_candidates(candidates, decisions)
+        self._marked = (candidates, decisions)
+        self._first_view.set_candidates(candidates, decisions)
+        self._mark_the_others()
 
     def select_candidate(self, candidate_id: int | None) -> None:
         """Ring one candidate in all views."""
+        self._selected = candidate_id
+        self._first_view.set_selected(candidate_id)
+        self._mark_the_others()
+
+    @property
+    def _first_view(self) -> PathView | SpectrogramView:
+        """The view that one looks at for the next verdict."""
+        return self.path if self.arrangement == "path" else self.spectrogram
+
+    def _mark_the_others(self) -> None:
+        """Let the other views follow as soon as the first one is drawn: together they take several times as long."""
+        if not self._others_wait:
+            self._others_wait = True
+            QTimer.singleShot(AFTER_FRAME_MS, self, self._mark_views)
+
+    def _mark_views(self) -> None:
+        self._others_wait = False
         for view in self.views:
-            view.set_selected(candidate_id)
+            if view is not self._first_view:
+                view.set_candidates(*self._marked)
+                view.set_selected(self._selected)
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""

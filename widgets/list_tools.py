@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QFrame,
     QHBoxLayout,
-    QProgressBar,
     QPushButton,
     QSizePolicy,
     QToolButton,
@@ -20,6 +19,7 @@ from PySide6.QtWidgets import (
 
 from processing.survey import LeakClass, Verdict
 from widgets.candidate_row import FILTER_ROUND, ORDERS, CandidateFilter
+from widgets.progress_line import ProgressLine
 from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import class_text, verdict_text
 
@@ -53,11 +53,8 @@ class ListTools(QWidget):
         self._panel.score_chosen.connect(self._on_score)
         self._panel.autoplay_chosen.connect(self.autoplay_chosen)
         self._panel.closed.connect(self._show_more)
-        self._progress = QProgressBar()
+        self._progress = ProgressLine()
         self._progress.setObjectName("review_progress")
-        self._progress.setMinimumHeight(TOUCH - 8)
-        self._progress.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-        self._progress.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._report = self._button("all_decided", "")
         self._report.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self._report.clicked.connect(self.report_asked.emit)
@@ -146,26 +143,23 @@ class ListTools(QWidget):
     def set_progress(self, *, decided: int, all_: int, shown: int, undecided_hidden: int) -> None:
         """Show how many of all are decided and shown; when none is left, what comes next."""
         done = all_ > 0 and decided == all_
-        text = self.tr("{decided} of {all} decided").format(decided=decided, all=all_)
-        tip = text
+        text = tip = self.tr("{decided} of {all} decided").format(decided=decided, all=all_)
+        texts = [text]
         if shown != all_ or self._filter.is_on:
             part = self.tr("{shown} of {all} shown").format(shown=shown, all=all_)
-            text, tip = f"{text} · {part}", f"{text}\n{part}"
+            texts, tip = [f"{text} · {part}", part], f"{text}\n{part}"  # that not all are shown is never left out
         if undecided_hidden:
             tip += "\n" + self.tr("Undecided and hidden by the filter: {count}").format(count=undecided_hidden)
         self._progress.setVisible(not done)
-        self._progress.setRange(0, max(all_, 1))
-        self._progress.setValue(decided)
-        self._progress.setFormat(text.replace("%", "%%"))
+        self._progress.show_part(decided / max(all_, 1), *texts)
         self._progress.setToolTip(tip)
-        self._progress.setAccessibleName(text)
         self._report.setVisible(done)
         self._report.setText(self.tr("All {all} decided: to the report (Ctrl+5)").format(all=all_))
 
     @property
     def progress_text(self) -> str:
         """What it says on how far the review has come."""
-        return self._progress.text() if not self._progress.isHidden() else self._report.text()
+        return self._progress.text if not self._progress.isHidden() else self._report.text()
 
     def open_more(self) -> None:
         """Open the panel of class, score and listening, with the keyboard in it."""

@@ -10,6 +10,7 @@ import os
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -99,6 +100,7 @@ def sound_speed_mps(modulus_gpa: float, diameter_per_wall: float) -> float:
     return free / math.sqrt(1.0 + _RESTRAINT * _BULK_GPA / modulus_gpa * diameter_per_wall)
 
 
+@cache  # it is asked for at each change of a survey, and never changes itself
 def shipped() -> tuple[Preset, ...]:
     """Return the table that comes with the program."""
     text = (files("resources") / "presets" / "pipes.toml").read_text(encoding="utf-8")
