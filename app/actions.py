@@ -280,8 +280,10 @@ ACTIONS: tuple[ActionRow, ...] = (
     # help
     _row("missing", N("Actions", "What is missing"), "Ctrl+G", Page.HELP, "work.guide.show_all",
          N("Actions", "Say what each step still lacks, and lead there")),
-    _row("help", N("Actions", "Help"), "F1", Page.HELP, "help.show_guide",
-         N("Actions", "How to go from folder to report")),
+    _row("help", N("Actions", "Manual"), "F1", Page.HELP, "help.show_guide",
+         N("Actions", "The manual's page for what is in front; it needs no network")),
+    _row("tour", N("Actions", "Five hints"), "Shift+F1", Page.HELP, "work.tour.show",
+         N("Actions", "Show the hints of the first start again; pressed again, the next one")),
     _row("keys", N("Actions", "Keys"), "F2", Page.HELP, "help.show_keys", N("Actions", "All keys on one sheet")),
     _row("diagnostics", N("Actions", "Save diagnostics…"), "", Page.HELP, "save_diagnostics",
          N("Actions", "Write the log and version numbers into a zip file for support; no survey data")),

@@ -128,7 +128,9 @@ def run_window(path: Path | None, read_only: bool = False) -> int:
     application = Application(qt, preferences, diagnostics.start_log(log_folder()))
     application.window.show()
     application.warm_up()
-    if path is not None:
+    if path is None:
+        application.window.work.tour.offer()
+    else:
         QTimer.singleShot(0, application, lambda: application.window.files.open_path(path, read_only=read_only))
     status = qt.exec()
     application.shut_down()

@@ -116,7 +116,7 @@ class GuideControl(QObject):
         if self._bubble is None:
             self._bubble = ReadinessBubble(self._window)
             self._bubble.lead_chosen.connect(self.go)
-            self._bubble.manual_asked.connect(self._window.help.show_guide)
+            self._bubble.manual_asked.connect(lambda: self._window.help.show_page("lights"))
             self._bubble.apply_theme(self._theme)
         self._bubble.set_rows(rows)
         self._bubble.stand_beside(self._window.step_bar.light_button(step))

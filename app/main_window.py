@@ -94,7 +94,9 @@ class MainWindow(QMainWindow):
             self._preferences, language, self._plain_pages, self._stack, self, services.recording, time.monotonic
         )
         self.shared = SharedKeys(self.recording, self.review)
-        self.help = HelpControl(self, services.log_file)
+        self.help = HelpControl(
+            self, services.log_file, self._preferences, language, lambda: self.page, self.notices.tell
+        )
         host = PageHost(self._plain_pages, self._stack, self.show_page, lambda: self.page)
         self.work = Workplace(self, services, language, host)
         self.actions_by_id = actions.build(self, self)

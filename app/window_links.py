@@ -21,6 +21,7 @@ def connect(window: "MainWindow") -> None:
     start.correlator_asked.connect(window.correlator.show)
     start.settings_asked.connect(window.work.settings.show)
     start.manual_asked.connect(window.help.show_guide)
+    start.tour_asked.connect(window.work.tour.show)
     start.recent_chosen.connect(lambda text: files.open_path(Path(text)))
     files.page_asked.connect(window.show_page)
     files.told.connect(tell)

@@ -22,6 +22,7 @@ from app.second_review import SecondReview
 from app.services import Services
 from app.settings_control import SettingsControl
 from app.start_control import StartControl
+from app.tour_control import TourControl
 from app.views_control import ViewsControl
 from widgets.plot_theme import Theme
 
@@ -58,6 +59,8 @@ class Workplace(QObject):
         theme = theme_named(services.preferences.values.theme)
         self.guide = GuideControl(window, services.session, language, theme)
         self.start = StartControl(window, services.session, services.jobs, services.preferences)
+        self.tour = TourControl(window, services.preferences)
+        host.stack.currentChanged.connect(lambda _row: self.tour.moved())
 
         self.photos = PhotoControl(window, services, language)
         self.photos.told.connect(self.told)
@@ -91,5 +94,6 @@ class Workplace(QObject):
         self.photos.stop()
         self.guide.stop()
         self.start.stop()
+        self.tour.stop()
         self.list.stop()
         self._window.review_page.toast.stop()

@@ -75,15 +75,13 @@ class PathOutline(PaintedWidget):
         width, height = max(east) - min(east), max(north) - min(north)
         scale = min(room.width() / max(width, 1e-6), room.height() / max(height, 1e-6))
         middle_e, middle_n = (max(east) + min(east)) / 2, (max(north) + min(north)) / 2
-        line = QPolygonF(
-            [
-                QPointF(room.center().x() + (e - middle_e) * scale, room.center().y() - (n - middle_n) * scale)
-                for e, n in self._points
-            ]
-        )
+        line = [
+            QPointF(room.center().x() + (e - middle_e) * scale, room.center().y() - (n - middle_n) * scale)
+            for e, n in self._points
+        ]
         colour = self.palette().color(QPalette.ColorRole.Highlight)
         painter.setPen(QPen(colour, 2.5, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap, Qt.PenJoinStyle.RoundJoin))
-        painter.drawPolyline(line)
+        painter.drawPolyline(QPolygonF(line))
         painter.setBrush(QColor(colour))
         painter.drawEllipse(line[0], 4.0, 4.0)
 

@@ -213,7 +213,7 @@
     </message>
     <message>
         <source>Five hints</source>
-        <translation type="unfinished"></translation>
+        <translation>Beş ipucu</translation>
     </message>
     <message>
         <source>Fixed contrast</source>
@@ -349,7 +349,7 @@
     </message>
     <message>
         <source>Manual</source>
-        <translation type="unfinished"></translation>
+        <translation>Kılavuz</translation>
     </message>
     <message>
         <source>Mark</source>
@@ -553,7 +553,7 @@
     </message>
     <message>
         <source>Recent surveys, recording, demonstration; what is open stays open</source>
-        <translation type="unfinished"></translation>
+        <translation>Son ölçümler, kayıt, tanıtım; açık olan açık kalır</translation>
     </message>
     <message>
         <source>Record</source>
@@ -601,7 +601,7 @@
     </message>
     <message>
         <source>Say what each step still lacks, and lead there</source>
-        <translation type="unfinished"></translation>
+        <translation>Her adımda neyin eksik olduğunu söyler ve oraya götürür</translation>
     </message>
     <message>
         <source>Say what it is: leak, valve, bend, pump …</source>
@@ -665,7 +665,7 @@
     </message>
     <message>
         <source>Show the hints of the first start again; pressed again, the next one</source>
-        <translation type="unfinished"></translation>
+        <translation>İlk açılıştaki ipuçlarını yeniden gösterir; yeniden basınca sonrakini</translation>
     </message>
     <message>
         <source>Show the photos of the selected leak, or the list again</source>
@@ -717,7 +717,7 @@
     </message>
     <message>
         <source>Start page</source>
-        <translation type="unfinished"></translation>
+        <translation>Başlangıç sayfası</translation>
     </message>
     <message>
         <source>Sun, light or dark</source>
@@ -749,7 +749,7 @@
     </message>
     <message>
         <source>The manual's page for what is in front; it needs no network</source>
-        <translation type="unfinished"></translation>
+        <translation>Öndeki sayfaya ait kılavuz sayfası; internet gerekmez</translation>
     </message>
     <message>
         <source>Tie point here</source>
@@ -773,7 +773,7 @@
     </message>
     <message>
         <source>What is missing</source>
-        <translation type="unfinished"></translation>
+        <translation>Neler eksik</translation>
     </message>
     <message>
         <source>What will be written, and where</source>
@@ -2621,87 +2621,87 @@
     <name>Gestures</name>
     <message>
         <source>Click in a view</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir görünümde tıklama</translation>
     </message>
     <message>
         <source>Click on a candidate's mark</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir adayın işaretine tıklama</translation>
     </message>
     <message>
         <source>Closer or wider, around the pointer</source>
-        <translation type="unfinished"></translation>
+        <translation>İşaretçinin çevresinde yakınlaştırır ya da uzaklaştırır</translation>
     </message>
     <message>
         <source>Double click</source>
-        <translation type="unfinished"></translation>
+        <translation>Çift tıklama</translation>
     </message>
     <message>
         <source>Drag</source>
-        <translation type="unfinished"></translation>
+        <translation>Sürükleme</translation>
     </message>
     <message>
         <source>Drag a border between views</source>
-        <translation type="unfinished"></translation>
+        <translation>Görünümler arasındaki kenarı sürükleme</translation>
     </message>
     <message>
         <source>Drag a tie point</source>
-        <translation type="unfinished"></translation>
+        <translation>Bağlama noktasını sürükleme</translation>
     </message>
     <message>
         <source>Drop a folder or a map on the window</source>
-        <translation type="unfinished"></translation>
+        <translation>Pencereye klasör ya da harita bırakma</translation>
     </message>
     <message>
         <source>Give one more room; it is remembered</source>
-        <translation type="unfinished"></translation>
+        <translation>Birine daha çok yer verir; hatırlanır</translation>
     </message>
     <message>
         <source>Go there, close enough to see it</source>
-        <translation type="unfinished"></translation>
+        <translation>Görülecek kadar yakından oraya gider</translation>
     </message>
     <message>
         <source>Mouse and fingers</source>
-        <translation type="unfinished"></translation>
+        <translation>Fare ve parmaklar</translation>
     </message>
     <message>
         <source>Move it; the path follows at once</source>
-        <translation type="unfinished"></translation>
+        <translation>Onu taşır; yol hemen uyar</translation>
     </message>
     <message>
         <source>Move what is shown</source>
-        <translation type="unfinished"></translation>
+        <translation>Görüneni kaydırır</translation>
     </message>
     <message>
         <source>Open the folder, or import the route</source>
-        <translation type="unfinished"></translation>
+        <translation>Klasörü açar ya da güzergâhı içe aktarır</translation>
     </message>
     <message>
         <source>Press a light</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir ışığa basma</translation>
     </message>
     <message>
         <source>Put the cursor there; all views follow</source>
-        <translation type="unfinished"></translation>
+        <translation>İmleci oraya getirir; bütün görünümler izler</translation>
     </message>
     <message>
         <source>Say what that step lacks, and lead there</source>
-        <translation type="unfinished"></translation>
+        <translation>O adımda neyin eksik olduğunu söyler ve oraya götürür</translation>
     </message>
     <message>
         <source>Select a stretch and a band</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir kesim ve bir bant seçer</translation>
     </message>
     <message>
         <source>Select that candidate</source>
-        <translation type="unfinished"></translation>
+        <translation>O adayı seçer</translation>
     </message>
     <message>
         <source>Shift and drag in the spectrogram</source>
-        <translation type="unfinished"></translation>
+        <translation>Spektrogramda Shift ile sürükleme</translation>
     </message>
     <message>
         <source>Wheel, or two fingers apart</source>
-        <translation type="unfinished"></translation>
+        <translation>Tekerlek ya da iki parmağı açma</translation>
     </message>
 </context>
 <context>
@@ -2736,15 +2736,15 @@
     </message>
     <message>
         <source>To the form</source>
-        <translation type="unfinished"></translation>
+        <translation>Forma git</translation>
     </message>
     <message>
         <source>To the tie points</source>
-        <translation type="unfinished"></translation>
+        <translation>Bağlama noktalarına git</translation>
     </message>
     <message>
         <source>the pipe's length</source>
-        <translation type="unfinished"></translation>
+        <translation>boru uzunluğu</translation>
     </message>
 </context>
 <context>
@@ -2850,11 +2850,11 @@
     <name>HelpControl</name>
     <message>
         <source>Leakline: keys and gestures</source>
-        <translation type="unfinished"></translation>
+        <translation>Leakline: tuşlar ve hareketler</translation>
     </message>
     <message>
         <source>Print (PDF)</source>
-        <translation type="unfinished"></translation>
+        <translation>Yazdır (PDF)</translation>
     </message>
     <message>
         <source>Save diagnostics</source>
@@ -2862,7 +2862,7 @@
     </message>
     <message>
         <source>The file could not be written: {reason}. Choose another folder.</source>
-        <translation type="unfinished"></translation>
+        <translation>Dosya yazılamadı: {reason}. Başka bir klasör seçin.</translation>
     </message>
     <message>
         <source>Written to {folder}</source>
@@ -2950,31 +2950,31 @@
     </message>
     <message>
         <source>Keys and gestures</source>
-        <translation type="unfinished"></translation>
+        <translation>Tuşlar ve hareketler</translation>
     </message>
     <message>
         <source>Larger letters</source>
-        <translation type="unfinished"></translation>
+        <translation>Daha büyük yazı</translation>
     </message>
     <message>
         <source>No key does that. Search for fewer words, or look into the menus.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bunu yapan bir tuş yok. Daha az sözcükle arayın ya da menülere bakın.</translation>
     </message>
     <message>
         <source>Print (PDF)…</source>
-        <translation type="unfinished"></translation>
+        <translation>Yazdır (PDF)…</translation>
     </message>
     <message>
         <source>Search: what it does, or a key</source>
-        <translation type="unfinished"></translation>
+        <translation>Ara: ne yaptığı ya da bir tuş</translation>
     </message>
     <message>
         <source>Smaller letters</source>
-        <translation type="unfinished"></translation>
+        <translation>Daha küçük yazı</translation>
     </message>
     <message>
         <source>Write the sheet as a PDF to print</source>
-        <translation type="unfinished"></translation>
+        <translation>Sayfayı yazdırmak için PDF olarak kaydeder</translation>
     </message>
 </context>
 <context>
@@ -3240,31 +3240,31 @@
     </message>
     <message>
         <source>Contents</source>
-        <translation type="unfinished"></translation>
+        <translation>İçindekiler</translation>
     </message>
     <message>
         <source>Forward →</source>
-        <translation type="unfinished"></translation>
+        <translation>İleri →</translation>
     </message>
     <message>
         <source>Manual</source>
-        <translation type="unfinished"></translation>
+        <translation>Kılavuz</translation>
     </message>
     <message>
         <source>No page has all of these words. Search for fewer of them.</source>
-        <translation type="unfinished"></translation>
+        <translation>Hiçbir sayfada bu sözcüklerin hepsi yok. Daha az sözcükle arayın.</translation>
     </message>
     <message>
         <source>Page of the manual</source>
-        <translation type="unfinished"></translation>
+        <translation>Kılavuz sayfası</translation>
     </message>
     <message>
         <source>Search the manual</source>
-        <translation type="unfinished"></translation>
+        <translation>Kılavuzda ara</translation>
     </message>
     <message>
         <source>← Back</source>
-        <translation type="unfinished"></translation>
+        <translation>← Geri</translation>
     </message>
 </context>
 <context>
@@ -4222,11 +4222,11 @@
     </message>
     <message>
         <source>Manual: what the lights mean</source>
-        <translation type="unfinished"></translation>
+        <translation>Kılavuz: ışıklar ne anlama gelir</translation>
     </message>
     <message>
         <source>What is missing</source>
-        <translation type="unfinished"></translation>
+        <translation>Neler eksik</translation>
     </message>
 </context>
 <context>
@@ -4237,50 +4237,50 @@
     </message>
     <message>
         <source>Keep on top</source>
-        <translation type="unfinished"></translation>
+        <translation>Üstte tut</translation>
     </message>
     <message>
         <source>Let go</source>
-        <translation type="unfinished"></translation>
+        <translation>Bırak</translation>
     </message>
     <message>
         <source>Not processed yet</source>
-        <translation type="unfinished"></translation>
+        <translation>Henüz işlenmedi</translation>
     </message>
     <message>
         <source>Not there now: {folder}. Plug the stick in, or take it off the list.</source>
-        <translation type="unfinished"></translation>
+        <translation>Şu an yerinde değil: {folder}. Belleği takın ya da listeden çıkarın.</translation>
     </message>
     <message>
         <source>Take off the list; the survey itself stays (Delete)</source>
-        <translation type="unfinished"></translation>
+        <translation>Listeden çıkar; ölçümün kendisi kalır (Delete)</translation>
     </message>
     <message>
         <source>exported on {day}</source>
-        <translation type="unfinished"></translation>
+        <translation>{day} tarihinde dışa aktarıldı</translation>
     </message>
     <message>
         <source>{count} confirmed</source>
-        <translation type="unfinished"></translation>
+        <translation>{count} onaylı</translation>
     </message>
     <message>
         <source>{done} of {count} decided</source>
-        <translation type="unfinished"></translation>
+        <translation>{count} adaydan {done} tanesine karar verildi</translation>
     </message>
 </context>
 <context>
     <name>RecentSurveys</name>
     <message>
         <source>No survey in the list has these words. Search for fewer of them.</source>
-        <translation type="unfinished"></translation>
+        <translation>Listede bu sözcükleri içeren ölçüm yok. Daha az sözcükle arayın.</translation>
     </message>
     <message>
         <source>Nothing has been opened yet. Open a device's folder, or look at the demonstration.</source>
-        <translation type="unfinished"></translation>
+        <translation>Henüz bir şey açılmadı. Bir cihazın klasörünü açın ya da tanıtım ölçümüne bakın.</translation>
     </message>
     <message>
         <source>Search by name, client, folder or year</source>
-        <translation type="unfinished"></translation>
+        <translation>Ad, müşteri, klasör ya da yıla göre ara</translation>
     </message>
 </context>
 <context>
@@ -5558,7 +5558,7 @@ bir daha</translation>
     <name>StartControl</name>
     <message>
         <source>Looking for the recent surveys</source>
-        <translation type="unfinished"></translation>
+        <translation>Son ölçümler aranıyor</translation>
     </message>
 </context>
 <context>
@@ -5569,7 +5569,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Five hints</source>
-        <translation type="unfinished"></translation>
+        <translation>Beş ipucu</translation>
     </message>
     <message>
         <source>From the folder off the device to a leak on the map, the same day.</source>
@@ -5581,7 +5581,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Manual</source>
-        <translation type="unfinished"></translation>
+        <translation>Kılavuz</translation>
     </message>
     <message>
         <source>Open the device's folder…</source>
@@ -5976,58 +5976,58 @@ bir daha</translation>
     </message>
     <message>
         <source>Done</source>
-        <translation type="unfinished"></translation>
+        <translation>Tamam</translation>
     </message>
     <message>
         <source>Next →</source>
-        <translation type="unfinished"></translation>
+        <translation>İleri →</translation>
     </message>
     <message>
         <source>← Back</source>
-        <translation type="unfinished"></translation>
+        <translation>← Geri</translation>
     </message>
 </context>
 <context>
     <name>TourControl</name>
     <message>
         <source>Begin here</source>
-        <translation type="unfinished"></translation>
+        <translation>Buradan başlayın</translation>
     </message>
     <message>
         <source>Hand it over</source>
-        <translation type="unfinished"></translation>
+        <translation>Teslim edin</translation>
     </message>
     <message>
         <source>Listen</source>
-        <translation type="unfinished"></translation>
+        <translation>Dinleyin</translation>
     </message>
     <message>
         <source>Nothing is final</source>
-        <translation type="unfinished"></translation>
+        <translation>Hiçbir şey kesin değil</translation>
     </message>
     <message>
         <source>One key is a verdict</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir tuş, bir karar</translation>
     </message>
     <message>
         <source>Open the folder that you copied off the device ({open}), or drop it on the window. To try it first, take the demonstration ({demo}): nothing can be broken there.</source>
-        <translation type="unfinished"></translation>
+        <translation>Cihazdan kopyaladığınız klasörü açın ({open}) ya da pencereye bırakın. Önce denemek isterseniz tanıtım ölçümünü açın ({demo}): orada hiçbir şey bozulmaz.</translation>
     </message>
     <message>
         <source>{confirm} is a leak, {reject} is none, {unsure} is unsure. Each goes on to the next undecided one and is on the disc at once.</source>
-        <translation type="unfinished"></translation>
+        <translation>{confirm} kaçak, {reject} kaçak değil, {unsure} kararsız. Her biri karar bekleyen sonraki adaya geçer ve anında diske yazılır.</translation>
     </message>
     <message>
         <source>{export} writes the report with one dig sheet a leak, and the files for maps. The lights beside the steps say what is missing ({missing}); {help} opens the manual. These hints: {tour}.</source>
-        <translation type="unfinished"></translation>
+        <translation>{export}, her kaçak için bir kazı föyü içeren raporu ve harita dosyalarını yazar. Adımların yanındaki ışıklar neyin eksik olduğunu söyler ({missing}); {help} kılavuzu açar. Bu ipuçları: {tour}.</translation>
     </message>
     <message>
         <source>{play} plays from the cursor. {loop} plays the selected candidate again and again, with two seconds of lead-in. What you see is what you hear.</source>
-        <translation type="unfinished"></translation>
+        <translation>{play} imleçten çalar. {loop} seçili adayı, iki saniye öncesinden başlayarak döngüde çalar. Ne görüyorsanız onu duyarsınız.</translation>
     </message>
     <message>
         <source>{undo} takes back whatever you did, one step after the other, and brings you back to where it was.</source>
-        <translation type="unfinished"></translation>
+        <translation>{undo} ne yaptıysanız adım adım geri alır ve sizi o yere geri götürür.</translation>
     </message>
 </context>
 <context>
