@@ -89,6 +89,8 @@ class SecondReview(QObject):
         self._chosen = self._session.reviewer
         self._session.set_reviewer("")
         self.show_differences()
+        found = 0 if self.panel is None else len(self.panel.shown)
+        self.told.emit(self.tr("The second review has ended. Differences: {count}.").format(count=found))
 
     def show_differences(self) -> None:
         """Show where the reviewers differ, or the leaks page where that is in front already."""

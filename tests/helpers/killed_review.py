@@ -2,7 +2,8 @@
 
 ``tests/benchmarks/kill_review.py`` kills fifty, the tests a dozen.
 The reviewer is this file run itself: it decides, undoes, marks and re-runs as fast as it can, and tells each
-log id after the call returned. The parent kills it (SIGKILL, TerminateProcess on Windows) and reads what it told.
+log id after the call returned, and each second opinion likewise. The parent kills it (SIGKILL, TerminateProcess on
+Windows) and reads what it told.
 """
 
 import json
@@ -46,6 +47,10 @@ def review(path: Path, seed: int) -> None:
             reason = chance.choice(["decide", "undo", "redo"])
             log_id = store.decide(candidate_id, decision, "Ayşe", reason)
             print(json.dumps([log_id, candidate_id, to_plain(decision)]), flush=True)
+            if chance.random() < 0.3:
+                number, reviewer = chance.randrange(1, 40), chance.choice(["Bülent", "Cem"])
+                given = folder.opinions.give(number, reviewer, decision)
+                print(json.dumps(["opinion", number, reviewer, to_plain(given.decision)]), flush=True)
             if chance.random() < 0.02:
                 stored = store.add_run(Run(0, "", str(chance.random())), candidates(40, chance.random()))
                 ids = [c.id for c in stored.candidates]
@@ -69,7 +74,15 @@ def kill_once(path: Path, seed: int) -> int:
         assert damage(folder._db) is None
         log = folder.review.decision_log()
         by_id = {entry.id: entry for entry in log}
-        for log_id, candidate_id, decision in complete:
+        opinions = [line[1:] for line in complete if line[0] == "opinion"]
+        words = [[o.number, o.reviewer, to_plain(o.decision)] for o in folder.opinions.log()]
+        # each told one is there, in the order in which they were told; at most one more was written and not yet told
+        before = len(words) - len(opinions)
+        assert any(words[start : start + len(opinions)] == opinions for start in range(max(before - 1, 0), before + 1))
+        newest = {(number, reviewer): decision for number, reviewer, decision in words}
+        standing = {(o.number, o.reviewer): to_plain(o.decision) for o in folder.opinions.opinions()}
+        assert standing == {key: value for key, value in newest.items() if value != to_plain(UNDECIDED)}
+        for log_id, candidate_id, decision in (line for line in complete if line[0] != "opinion"):
             assert by_id[log_id].candidate_id == candidate_id
             assert by_id[log_id].after == from_plain(Decision, decision)
         stored: dict[int, Decision] = {}
