@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, QPoint, Qt
+from PySide6.QtCore import QT_TRANSLATE_NOOP, QCoreApplication, QObject, QPoint, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QWidget
 
@@ -14,16 +14,22 @@ if TYPE_CHECKING:
     from app.main_window import MainWindow
 
 LINE = ""
+N = QT_TRANSLATE_NOOP
 PLACE = ("goto", "mark", "tie", LINE)
 LISTEN = ("play", "loop", "loop_selection", LINE)
-MEASURE = ("measure", "measure_end", "measure_tool", LINE)
-SHOW = ("zoom_in", "zoom_out", "fit", "axis", LINE)
-COLOURS = ("contrast", "contrast_fixed", "plane", "colours", LINE)
-SELECT = ("select_here", "select", "spectrum", "spectrum_b", LINE)
-SCREEN = ("follow", "full", "full_sound", LINE)
-PLAN = (*PLACE, *MEASURE, "zoom_in", "zoom_out", "fit", LINE, *SCREEN)
-STRIP = (*PLACE, *LISTEN, *MEASURE, *SHOW, *SCREEN)
-SOUND = (*PLACE, *LISTEN, *MEASURE, *SELECT, *COLOURS, *SHOW, *SCREEN)
+# what needs fewer hands stands in menus of its own: the whole must fit on a small screen
+MEASURE = (str(N("ViewMenus", "Measure")), ("measure", "measure_end", "measure_tool"))
+SELECT = (str(N("ViewMenus", "Selection")), ("select_here", "select", "spectrum", "spectrum_b"))
+COLOURS = (str(N("ViewMenus", "Contrast and colours")), (
+    "contrast", "contrast_fixed", LINE, "quiet_up", "quiet_down", "loud_up", "loud_down", LINE, "plane", "colours",
+))  # fmt: skip
+SHOW = (str(N("ViewMenus", "View")), ("zoom_in", "zoom_out", "fit", "axis", "follow", LINE, "full", "full_sound"))
+MAP = (SHOW[0], tuple(name for name in SHOW[1] if name != "axis"))
+PLAN = (PLACE, (MEASURE, MAP))
+STRIP = (PLACE + LISTEN, (MEASURE, SHOW))
+SOUND = (PLACE + LISTEN, (MEASURE, SELECT, COLOURS, SHOW))
+Group = tuple[str, tuple[str, ...]]
+Rows = tuple[tuple[str, ...], tuple[Group, ...]]
 
 
 class ViewMenus(QObject):
@@ -46,18 +52,28 @@ class ViewMenus(QObject):
             menu.close()
             menu.deleteLater()
 
-    def _open(self, view: QWidget, rows: tuple[str, ...], place: QPoint) -> None:
+    def _open(self, view: QWidget, rows: Rows, place: QPoint) -> None:
         self.stop()
         menu = self.shown = QMenu(view)
         menu.setStyleSheet(MENU_STYLE)
         menu.setToolTipsVisible(True)
-        add_rows(menu, rows, self._window.actions_by_id)
+        first, groups = rows
+        add_rows(menu, first, self._window.actions_by_id)
+        for title, names in groups:
+            add_rows(_sub_menu(menu, QCoreApplication.translate("ViewMenus", title)), names, self._window.actions_by_id)
         if view is self._window.review_page.spectrogram:
             tools = self._window.review_page.spectrogram_tools.menu
             tools.setTitle(self.tr("Axes, colours"))
             menu.addMenu(tools)
         menu.addMenu(self._panels.menu(menu))
         menu.popup(view.mapToGlobal(place))
+
+
+def _sub_menu(menu: QMenu, title: str) -> QMenu:
+    below = QMenu(title, menu)
+    below.setStyleSheet(MENU_STYLE)
+    menu.addMenu(below)
+    return below
 
 
 def add_rows(menu: QMenu, rows: tuple[str, ...], actions: Mapping[str, QAction]) -> None:

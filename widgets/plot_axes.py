@@ -1,5 +1,6 @@
 """The axes of the stacked plots: pyqtgraph's axis items with the house's ticks, labels within the axis, and names."""
 
+import math
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -115,7 +116,7 @@ class CommonAxis(PlotAxis):
             middle = min(x, width + 2 - 0.5 * metrics.horizontalAdvance(text))
             box = QRectF(middle - widest, 4.0, 2 * widest, metrics.height())
             labels.append((box, Qt.AlignmentFlag.AlignCenter, text))
-        box = QRectF(width + 6, 4.0, max(0.0, self._room.right() - width - 6), metrics.height())
+        box = QRectF(width + 10, 4.0, max(0.0, self._room.right() - width - 10), metrics.height())
         name = metrics.elidedText(self._name, Qt.TextElideMode.ElideRight, box.width())
         labels.append((box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, name))
         return (pen, QPointF(0.0, 0.0), QPointF(width, 0.0)), lines, labels
@@ -164,9 +165,13 @@ class ValueAxis(PlotAxis):
         pen = self.tickPen()
         lines = [(pen, QPointF(width - 4, y), QPointF(width, y)) for _, y in ticks]
         labels: list[Label] = []
+        lowest = math.inf
         for value, y in ticks:
             # labels keep inside the axis, so that those of neighbouring strips do not run into each other
             middle = min(max(y, 0.45 * line_height), height - 0.45 * line_height)
+            if lowest - middle < 0.8 * line_height:
+                continue  # nor into each other, where there is room for few
+            lowest = middle
             box = QRectF(self._left, middle - line_height, width - 6 - self._left, 2 * line_height)
             labels.append((box, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, self._text(value, step)))
         return (pen, QPointF(width, 0.0), QPointF(width, height)), lines, labels

@@ -21,7 +21,7 @@ from widgets.plot_marks import Marks
 from widgets.plot_near import near
 from widgets.plot_paint import lay_elsewhere, paint_hatch
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
-from widgets.ruler import paint_ruler
+from widgets.ruler import paint_ruler, paint_ruler_label
 from widgets.time_axis import AxisMode
 from widgets.time_cursor import TimeCursor
 from widgets.units import quantities
@@ -338,11 +338,18 @@ class PlotFrame(QWidget):
         rect = self.plot_rect()
         painter.setFont(self._theme.font())
         self._paint_selection(painter, rect)
-        self._paint_ruler(painter, rect)
+        ruler = self._cursor.ruler
+        ends = (
+            None if ruler.ends_s is None else (self.pixel_of_time(ruler.ends_s[0]), self.pixel_of_time(ruler.ends_s[1]))
+        )
+        if ends is not None:
+            paint_ruler(painter, self._theme, rect, ends)
         x = self._painted_cursor_x = self.pixel_of_time(self._cursor.time_s)
         if rect.left() <= x <= rect.right():
             painter.setPen(QPen(QColor(self._theme.cursor), self._theme.line_width))
             painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
+        if ends is not None and self._names_ruler:
+            paint_ruler_label(painter, self._theme, rect, ends, ruler.label)
         self._paint_values(painter, self._value_rect())
         if self.hasFocus():
             painter.setPen(QPen(QColor(self._theme.accent), 2))
@@ -358,13 +365,6 @@ class PlotFrame(QWidget):
         colour = QColor(self._theme.accent)
         colour.setAlpha(50)
         painter.fillRect(area, colour)
-
-    def _paint_ruler(self, painter: QPainter, rect: QRectF) -> None:
-        """Draw what is being measured."""
-        ruler = self._cursor.ruler
-        if ruler.ends_s is not None:
-            first, second = (self.pixel_of_time(t) for t in ruler.ends_s)
-            paint_ruler(painter, self._theme, rect, (first, second), ruler.label, name=self._names_ruler)
 
     def _value_rect(self) -> QRectF:
         rect = self.plot_rect()

@@ -86,10 +86,8 @@ class Ruler(QObject):
             self.changed.emit()
 
 
-def paint_ruler(
-    painter: QPainter, theme: Theme, rect: QRectF, ends: tuple[float, float], label: str, *, name: bool
-) -> None:
-    """Draw a ruler between two pixels of the common axis into a plot; ``name`` writes the label where there is room."""
+def paint_ruler(painter: QPainter, theme: Theme, rect: QRectF, ends: tuple[float, float]) -> None:
+    """Draw a ruler between two pixels of the common axis into a plot."""
     left, right = sorted(ends)
     area = QRectF(left, rect.top(), max(right - left, 1.0), rect.height()).intersected(rect)
     if right < rect.left() or left > rect.right():
@@ -112,11 +110,20 @@ def paint_ruler(
                     [QPointF(x + ahead, middle - _TICK), QPointF(x, middle), QPointF(x + ahead, middle + _TICK)]
                 )
     painter.restore()
+
+
+def paint_ruler_label(painter: QPainter, theme: Theme, rect: QRectF, ends: tuple[float, float], label: str) -> None:
+    """Write what a ruler tells above its line, where the plot has room for that."""
+    left, right = sorted(ends)
+    if right < rect.left() or left > rect.right() or not label:
+        return
     metrics = theme.metrics()
     width, height = metrics.horizontalAdvance(label) + 14.0, metrics.height() + 4.0
-    if name and label and rect.height() >= 3.0 * height and rect.width() >= width:
-        x = min(max(area.center().x() - 0.5 * width, rect.left() + 2), rect.right() - width - 2)
-        paint_tag(painter, theme, label, QRectF(x, middle - height - 6.0, width, height), strong=True)
+    if rect.height() >= 3.0 * height and rect.width() >= width:
+        centre = 0.5 * (max(left, rect.left()) + min(right, rect.right()))
+        x = min(max(centre - 0.5 * width, rect.left() + 2), rect.right() - width - 2)
+        y = rect.center().y() - height - 6.0
+        paint_tag(painter, theme, label, QRectF(x, y, width, height), strong=True)
 
 
 def paint_ruler_on_plan(painter: QPainter, theme: Theme, pixels: list[QPointF], label: str, room: QRectF) -> None:
