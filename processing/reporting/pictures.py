@@ -9,7 +9,7 @@ from processing.errors import LeaklineError
 from processing.photo_facts import photo_kind, small_photo
 
 SVG_AT_MOST = 2_000_000  # bytes
-_LOGO_PX, _PHOTO_PX = 900, 1000
+_LOGO_PX, _PHOTO_PX = 900, 840  # a photo is 58 mm wide on paper
 
 
 def photo_into(source: Path, target: Path) -> bool:

@@ -13,7 +13,7 @@ from processing.sound.tiles import spectrogram_detail, tile_db
 from processing.survey import FloatArray
 
 HALF_S = 15.0
-COLUMNS = 700
+COLUMNS = 420  # pixels of a picture that is 67 mm wide on paper: 160 to the inch
 TOP_HZ = 8000.0  # above it a ball in a main hears little; the band of the leak is always shown
 LEAST_RANGE_DB = 25.0
 

@@ -1,6 +1,8 @@
 """The report as a reader meets it: text taken out of the finished PDF, its pages, its fonts, its tags."""
 
 from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
 
 import pypdf
 import pytest
@@ -24,16 +26,28 @@ METRES_PER_FOOT = 1200 / 3937
 
 
 class Report:
-    """A finished report: its reader, the text of each page, and that of the dig sheets."""
+    """A finished report: its reader, the text of each page, and that of the dig sheets (found by the bookmarks)."""
 
     def __init__(self, path):
         self.reader = pypdf.PdfReader(path)
-        self.pages = [" ".join(page.extract_text().split()) for page in self.reader.pages]
-        # by the boxes that only they have
-        self.sheets = [text for text in self.pages if "Locate ticket no." in text or "Altyapı sorgu" in text]
+        titles = [entry if isinstance(entry, list) else entry.title for entry in self.reader.outline]
+        under = {before: entry for before, entry in pairwise(titles) if isinstance(before, str)}
+        found = next((under[title] for title in ("Dig sheets", "Kazı föyleri") if title in under), [])
+        self.sheet_numbers = [self.reader.get_destination_page_number(entry) for entry in found]
+
+    @cached_property
+    def pages(self):
+        return [self._text(number) for number in range(len(self.reader.pages))]
+
+    @cached_property
+    def sheets(self):
+        return [self._text(number) for number in self.sheet_numbers]
 
     def sheet(self, words):
         return next(text for text in self.sheets if words in text)
+
+    def _text(self, number):
+        return " ".join(self.reader.pages[number].extract_text().split())
 
 
 def written(path, results, decisions, record=None, options=None):
@@ -87,6 +101,7 @@ def test_the_accuracy_statement_tells_its_basis_and_what_digs_showed(report):
 def test_each_leak_has_exactly_one_sheet_of_one_page(report):
     pages = report.sheets
     assert [("Leak 1" in page, "Leak 2" in page) for page in pages] == [(False, True), (True, False)]
+    assert ["Locate ticket no." in page for page in report.pages].count(True) == 2
 
 
 def test_a_sheet_tells_where_to_tape_and_what_the_second_reviewer_says(report):
@@ -182,6 +197,17 @@ def test_the_file_is_tagged_archivable_and_carries_its_fonts_in_parts(report):
         assert font["/BaseFont"][7] == "+", font["/BaseFont"]  # ABCDEF+Name: a subset
 
 
+def test_tables_over_several_pages_are_tagged_too(results, record, tmp_path):
+    many = tuple(replace(results.candidates[0], id=i, score=1.0 - i / 300.0) for i in range(1, 100))
+    stretches = tuple(replace(results.not_assessed[0], start_s=float(i)) for i in range(55))
+    long = replace(results, candidates=many, not_assessed=stretches)
+    rejected = {i: Decision(Verdict.REJECTED) for i in range(2, 100)}
+    said = replace(record, log=record.log * 120)
+    report = written(tmp_path / "r.pdf", long, {1: Decision(Verdict.UNSURE), **rejected}, said)
+    assert len(report.reader.pages) > 8
+    assert b"<pdfuaid:part>1" in report.reader.trailer["/Root"]["/Metadata"].get_data()
+
+
 def test_every_picture_has_words_for_who_cannot_see_it(report):
     figures = list(_figures(report.reader.trailer["/Root"]["/StructTreeRoot"]))
     assert len(figures) > 8
@@ -233,8 +259,9 @@ def test_very_long_texts_neither_add_a_page_to_a_sheet_nor_get_lost(results, rec
     report = written(tmp_path / "r.pdf", long, decisions, record, ReportOptions(company=company))
     pages = report.sheets
     assert len(pages) == 3
-    numbers = [i for i, text in enumerate(report.pages) if "Locate ticket no." in text]
-    assert numbers == list(range(numbers[0], numbers[0] + 3))
+    numbers = report.sheet_numbers
+    assert numbers == list(range(numbers[0], numbers[0] + 3))  # one page each
+    assert "Locate ticket no." not in report.pages[numbers[-1] + 1]
     assert all("Cause: joint" in page and "Name" in page for page in pages)
     assert "line 39: wet asphalt" in " ".join(report.pages[numbers[-1] + 1 :])
     assert "hydrant" in pages[0]  # long names keep their ends, where they differ
