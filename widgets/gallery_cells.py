@@ -4,7 +4,6 @@ All pictures share the axis, the frequencies, the colours and the decibels, so t
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -180,35 +179,32 @@ def _paint_level(
     painter.setClipRect(rect)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     middle = sound.middle(row.candidate)
-
-    def y(level_db: float) -> float:
-        return rect.bottom() - 4 - (level_db - _LOW_DB) / (top_db - _LOW_DB) * (rect.height() - 6)
-
+    per_db = (rect.height() - 6) / (top_db - _LOW_DB)
+    zero = rect.bottom() - 4 + _LOW_DB * per_db
     painter.setPen(QPen(QColor(theme.grid), 1))
-    painter.drawLine(QPointF(rect.left(), y(0.0)), QPointF(rect.right(), y(0.0)))
+    painter.drawLine(QPointF(rect.left(), zero), QPointF(rect.right(), zero))
     painter.setPen(QPen(QColor(theme.text), 1))
     for step in range(-1, 2):
         x = _x(rect, sound, 0.0, step * _TICK_M)
         painter.drawLine(QPointF(x, rect.bottom() - 4), QPointF(x, rect.bottom()))
     places, over, limit = sound.curve(row.candidate)
     if len(places) > 1:
+        xs = rect.left() + (places - middle + sound.half) / (2.0 * sound.half) * rect.width()
         lines = ((limit, QPen(QColor(theme.curve_second), 1.2, Qt.PenStyle.DashLine)),
                  (over, QPen(QColor(theme.curve), max(1.5, theme.line_width))))  # fmt: skip
         for values, pen in lines:
             painter.setPen(pen)
-            for line in _polylines(places, values, lambda v: _x(rect, sound, middle, v), y):
+            for line in _polylines(xs, rect.bottom() - 4 - (values - _LOW_DB) * per_db):
                 painter.drawPolyline(line)
     painter.restore()
 
 
-def _polylines(
-    x: FloatArray, values: FloatArray, to_x: Callable[[float], float], to_y: Callable[[float], float]
-) -> list[QPolygonF]:
-    """Return the curve in pieces: there is none where it is not known."""
-    known = np.isfinite(values)
+def _polylines(xs: FloatArray, ys: FloatArray) -> list[QPolygonF]:
+    """Return the curve in pieces, in pixels: there is none where it is not known."""
+    known = np.isfinite(ys)
     breaks = np.flatnonzero(np.diff(known.astype(np.int8))) + 1
     return [
-        QPolygonF([QPointF(to_x(float(x[i])), to_y(float(values[i]))) for i in piece])
-        for piece in np.split(np.arange(len(x)), breaks)
+        QPolygonF(list(map(QPointF, xs[piece].tolist(), ys[piece].tolist())))
+        for piece in np.split(np.arange(len(xs)), breaks)
         if len(piece) > 1 and known[piece[0]]
     ]
