@@ -69,7 +69,7 @@ def rule(words: Words) -> str:
 
 def cause_sentence(cause: Cause, words: Words) -> str:
     """Return one reason in words."""
-    params = {name: words.length(float(value)) for name, value in cause.lengths_m.items()}
+    params = {name: words.length(float(value), 0 if name == "limit" else 1) for name, value in cause.lengths_m.items()}
     params |= {name: words.name(str(value), _NAME_CHARACTERS) for name, value in cause.texts.items()}
     if "name" in params:
         params["name"] = params["name"] or words("launch")

@@ -96,7 +96,8 @@ def unassessed_rows(content: ReportContent, words: Words) -> list[list[str]]:
 
     longest = sorted(content.unassessed, key=extent, reverse=True)[:UNASSESSED_AT_MOST]
     chosen = {id(part) for part in longest}
-    return [unassessed_row(part, words) for part in content.unassessed if id(part) in chosen]
+    in_order = sorted(content.unassessed, key=lambda part: part.stretch.start_s)
+    return [unassessed_row(part, words) for part in in_order if id(part) in chosen]
 
 
 def unassessed_rest(content: ReportContent, words: Words) -> str:

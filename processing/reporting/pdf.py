@@ -31,7 +31,7 @@ from processing.survey import Verdict
 Standards = tuple[Literal["ua-1", "a-2a"], ...]
 STANDARDS: Standards = ("ua-1", "a-2a")
 # points; the page's text is 180 mm wide
-PLAN, PROFILE, LEAK_MAP, EXCERPT = (510.0, 330.0), (510.0, 170.0), (336.0, 196.0), (250.0, 112.0)
+PLAN, PROFILE, LEAK_MAP, EXCERPT = (510.0, 340.0), (510.0, 170.0), (336.0, 204.0), (250.0, 112.0)
 
 
 def write_pdf(path: Path, content: ReportContent, progress: Progress) -> None:

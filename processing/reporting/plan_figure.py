@@ -17,7 +17,7 @@ from processing.survey import FloatArray, Track, Verdict
 
 PATH_COLOUR, INTERVAL, NOT_ASSESSED, TIE = "#1f5fa8", "#f2a900", "#7d8790", "#0b3d2e"
 ELLIPSE = "#c25e00"
-SCALE_STRIP = 26.0  # points under a map for its scale and its legend, so that they hide nothing
+SCALE_STRIP = 38.0  # points under a map for its scale and its legend, so that they hide nothing
 _LINE_STEP_M = 0.25
 _LINE_AT_MOST = 3000  # points of a line: a page is 500 points wide
 _LEAST_REACH_M = 9.0
@@ -255,7 +255,7 @@ def _draw_scale(drawing: Drawing, frame: Frame, words: Words) -> None:
     factor = words.quantities.length_factor
     shown = round_up((frame.x_high - frame.x_low) * factor / 14)
     length = frame.x(frame.x_low + shown / factor) - frame.left
-    y = frame.top + frame.height + SCALE_STRIP - 5
+    y = frame.top + frame.height + 17
     drawing.line(4, y, 4 + length, y, INK, 1.6)
     for x in (4.0, 4 + length):
         drawing.line(x, y - 3, x, y + 3, INK, 1.0)
@@ -267,7 +267,7 @@ def _draw_scale(drawing: Drawing, frame: Frame, words: Words) -> None:
 def _draw_legend(
     drawing: Drawing, frame: Frame, content: ReportContent, words: Words, around: Surroundings | None
 ) -> None:
-    """Draw what the lines mean, beside the scale, from the right end."""
+    """Draw what the lines mean, below the scale."""
     entries = [("legend_path", PATH_COLOUR, 1.5, ""), ("legend_interval", INTERVAL, 6.0, "")]
     if around is not None and is_heading_known(content.results):
         entries.append(("legend_ellipse", ELLIPSE, 1.2, ""))
@@ -276,17 +276,16 @@ def _draw_legend(
     route = content.results.survey.route
     if route is not None and len(route.points) >= 2:
         entries.append(("legend_route", "#bfc5ca", 3.4, ""))
-    y = frame.top + frame.height + SCALE_STRIP - 8
-    x = frame.left + frame.width
-    for key, colour, width, dash in reversed(entries):
+    y = frame.top + frame.height + SCALE_STRIP - 7
+    x = frame.left + 4
+    for key, colour, width, dash in entries:
         text = words(key)
-        x -= 0.54 * 7.0 * len(text) + 4
-        drawing.text(x, y + 2.5, text, size=7.0, colour=SOFT)
-        x -= 22
         style: dict[str, str | float] = {"cap": "butt"}
         if dash:
             style["dash"] = dash
-        drawing.path([(x, y), (x + 18, y)], colour, width, **style)
+        drawing.path([(x, y), (x + 16, y)], colour, width, **style)
+        drawing.text(x + 19, y + 2.5, text, size=7.0, colour=SOFT)
+        x += 19 + 0.54 * 7.0 * len(text) + 9
 
 
 def _draw_north(drawing: Drawing, frame: Frame, words: Words) -> None:

@@ -60,7 +60,7 @@ def page_data(content: ReportContent) -> dict[str, Any]:
         "result": result_sentence(content, words),
         "accuracy": accuracy(content, words),
         "ties": [tie_row(check, words) for check in results.tie_checks],
-        "leaks": [table_row(row, content, words) for row in content.rows[:TABLE_AT_MOST]],
+        "leaks": [table_row(row, content, words) for row in sorted(content.rows, key=crews_order)[:TABLE_AT_MOST]],
         "more": left_out(content, words),
         "sheets": [sheet(row, content, words, known) for row in sheets],
         "unassessed": unassessed_rows(content, words),
@@ -71,7 +71,7 @@ def page_data(content: ReportContent) -> dict[str, Any]:
 
 
 def rows_with_sheet(content: ReportContent) -> list[LeakRow]:
-    """Return the rows that get a page: all confirmed and unsure ones, then the likeliest undecided."""
+    """Return the rows that get a page, in the crew's order: all confirmed and unsure, and the likeliest undecided."""
     decided = sum(r.decision.verdict in (Verdict.CONFIRMED, Verdict.UNSURE) for r in content.rows)
     room = max(0, SHEETS_AT_MOST - decided)
     chosen = []
@@ -81,7 +81,13 @@ def rows_with_sheet(content: ReportContent) -> list[LeakRow]:
         elif row.decision.verdict is Verdict.NONE and room > 0:
             room -= 1
             chosen.append(row)
-    return chosen
+    return sorted(chosen, key=crews_order)
+
+
+def crews_order(row: LeakRow) -> tuple[int, float]:
+    """Return what sorts for a crew that goes along the pipe: confirmed first, then what is open, rejected last."""
+    order = (Verdict.CONFIRMED, Verdict.UNSURE, Verdict.NONE, Verdict.REJECTED)
+    return order.index(row.decision.verdict), row.candidate.time_s
 
 
 def left_out(content: ReportContent, words: Words) -> str:

@@ -10,6 +10,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from processing.position.tie_checks import TieCheck
 from processing.reporting.references import LAUNCH, Tape
 from processing.results import Results
 from processing.review_facts import ReviewRecord
@@ -17,7 +18,7 @@ from processing.survey import Candidate, Channel, Decision, LeakClass, Params, V
 
 BELL_HOLE_M = (0.9, 4.6)  # what one bell-hole lays open of the pipe (findings §6)
 TAPE_REACH_M = 100.0  # two lengths of a 50 m tape: further away a place is set out with coordinates, not with a tape
-_NORMAL_95 = 1.96
+_NORMAL_99 = 2.576  # each sheet asks two tie points: at 95 % one sheet in ten would be held up by chance
 
 
 class Light(StrEnum):
@@ -122,7 +123,7 @@ def _by_quality(candidate: Candidate, results: Results) -> list[Cause]:
         causes.append(Cause(Light.YELLOW, "free_path"))
     if any(check.held_down for check in results.tie_checks):
         causes.append(Cause(Light.YELLOW, "tie_contradicts"))
-    elif any(abs(check.left_out_m) > _NORMAL_95 * check.left_out_sigma_m for check in results.tie_checks):
+    elif any(abs(check.left_out_m) > _NORMAL_99 * check.left_out_sigma_m for check in _beside(candidate, results)):
         causes.append(Cause(Light.YELLOW, "tie_outside"))
     codes = {finding.code for finding in results.findings}
     causes += [Cause(Light.YELLOW, code) for code in ("fit_not_settled", "radius_unknown") if code in codes]
@@ -132,6 +133,14 @@ def _by_quality(candidate: Candidate, results: Results) -> list[Cause]:
     if not np.isfinite(candidate.score):
         causes.append(Cause(Light.YELLOW, "marked_by_hand"))
     return causes
+
+
+def _beside(candidate: Candidate, results: Results) -> list[TieCheck]:
+    """Return the checks of the tie points next to a candidate, one before it and one after it."""
+    before = [check for check in results.tie_checks if check.time_s <= candidate.time_s]
+    after = [check for check in results.tie_checks if check.time_s > candidate.time_s]
+    nearest = [max(before, key=lambda check: check.time_s)] if before else []
+    return nearest + ([min(after, key=lambda check: check.time_s)] if after else [])
 
 
 def _by_others(candidate: Candidate, decision: Decision, record: ReviewRecord) -> list[Cause]:

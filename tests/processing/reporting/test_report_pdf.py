@@ -100,7 +100,7 @@ def test_the_accuracy_statement_tells_its_basis_and_what_digs_showed(report):
 
 def test_each_leak_has_exactly_one_sheet_of_one_page(report):
     pages = report.sheets
-    assert [("Leak 1" in page, "Leak 2" in page) for page in pages] == [(False, True), (True, False)]
+    assert [("Leak 1" in page, "Leak 2" in page) for page in pages] == [(True, False), (False, True)]
     assert ["Locate ticket no." in page for page in report.pages].count(True) == 2
 
 

@@ -104,7 +104,7 @@ def test_digs_that_missed_their_windows_widen_them_unless_the_report_has_done_so
     [
         {"clock": ClockMap(sigma_s=1.0, basis="assumed")},
         {"tie_checks": (TieCheck("valve 12", 60.0, "chainage", 5.0, 9.0, 0.5, held_down=True),)},
-        {"tie_checks": (TieCheck("valve 12", 60.0, "chainage", 0.1, 1.1, 0.5, held_down=False),)},
+        {"tie_checks": (TieCheck("valve 12", 60.0, "chainage", 0.1, 1.4, 0.5, held_down=False),)},
         {"findings": (Finding("fit_not_settled", Severity.WARNING),)},
         {"findings": (Finding("radius_unknown", Severity.WARNING, {"radius_m": 0.05}),)},
         {"not_assessed": (Stretch(80.0, 90.0, Channel.PATH, "imu_gap"),)},
@@ -115,8 +115,15 @@ def test_each_flag_on_the_quality_asks_for_a_pinpoint(results, change):
 
 
 def test_a_tie_point_that_is_missed_within_its_interval_is_no_flag(results):
-    check = TieCheck("valve 12", 60.0, "chainage", 0.1, 0.9, 0.5, held_down=False)
+    check = TieCheck("valve 12", 60.0, "chainage", 0.1, 1.2, 0.5, held_down=False)
     assert judged(replace(results, tie_checks=(check,))).light is Light.GREEN
+
+
+def test_only_the_tie_points_next_to_a_leak_speak_of_it(results):
+    good = TieCheck("valve 12", 60.0, "chainage", 0.1, 0.2, 0.5, held_down=False)
+    far = TieCheck("launch side", 20.0, "chainage", 0.1, 1.9, 0.5, held_down=False)
+    assert judged(replace(results, tie_checks=(far, good))).light is Light.GREEN
+    assert judged(replace(results, tie_checks=(far,))).light is Light.YELLOW
 
 
 @pytest.mark.parametrize("language", ["en", "tr"])
