@@ -5,7 +5,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QVBoxLayout, QWidget
 
 from app import actions, appearance, enabling, window_links
 from app.actions import ACTIONS, PAGE_TITLES, Page
@@ -40,6 +40,7 @@ from app.workplace import Workplace
 from processing.errors import LeaklineError
 from widgets.job_strip import JobStrip
 from widgets.message_boxes import MessageBoxes
+from widgets.page_stack import PageStack
 from widgets.report_panel import ReportPanel
 from widgets.start_page import StartPage
 from widgets.step_bar import StepBar
@@ -128,7 +129,7 @@ class MainWindow(QMainWindow):
                 ("report", self.tr("Report")),
             )
         )
-        self._stack = QStackedWidget()
+        self._stack = PageStack()
         for page in (*self._plain_pages.values(), self.review_page):
             self._stack.addWidget(page)
         self.page = "start"

@@ -29,6 +29,13 @@ OF_PAGE: Mapping[str, tuple[str, ...]] = {
     "sound": ("overview", "sound", "level", "motion", "side"),
     "leaks": ("plan", "profile", "overview", "sound", "level", "side"),
 }
+# what gives way on a small page, until the operator says otherwise: plan and profile have a page of their own
+NARROW_HIDES: Mapping[str, tuple[str, ...]] = {"leaks": ("plan", "profile")}
+LOW_HIDES: Mapping[str, tuple[str, ...]] = {
+    "leaks": ("overview",),
+    "sound": ("overview", "motion"),
+    "path": ("overview",),
+}
 STRIPS = ("overview", "sound", "level", "motion")  # above one another: the lowest one has the common axis
 
 
@@ -49,9 +56,14 @@ class PagePanels(QObject):
         """Return the panels that a page shows."""
         if self._alone in OF_PAGE[arrangement]:
             return (self._alone,)
-        hidden = self._preferences.values.layout.get(PREFIX + arrangement, "").split()
+        chosen = self._preferences.values.layout.get(PREFIX + arrangement)
+        hidden = self._too_much(arrangement) if chosen is None else tuple(chosen.split())
         found = tuple(name for name in OF_PAGE[arrangement] if name not in hidden)
         return found if any(name in STRIPS for name in found) else OF_PAGE[arrangement]
+
+    def _too_much(self, arrangement: str) -> tuple[str, ...]:
+        narrow = NARROW_HIDES.get(arrangement, ()) if self._page.is_narrow else ()
+        return (*narrow, *(LOW_HIDES.get(arrangement, ()) if self._page.is_low else ()))
 
     def set_shown(self, name: str, *, shown: bool) -> None:
         """Show or hide a panel of the page in front; one of the strips always stays."""

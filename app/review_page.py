@@ -9,7 +9,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QHBoxLayout, QSplitter, QVBoxLayout, QWidget
 
 from app import view_data
 from app.page_tools import PageTools, TabTools
@@ -27,11 +28,13 @@ from widgets.linked_plot import Readout
 from widgets.marker_panel import MarkerPanel
 from widgets.method_panel import MethodPanel
 from widgets.overview_strip import OverviewStrip
+from widgets.parts_label import BETWEEN, PartsLabel
 from widgets.path_view import PathView
 from widgets.playback_bar import PlaybackBar
 from widgets.plot_theme import Theme
 from widgets.profile_view import ProfileView
 from widgets.quality_panel import QualityPanel
+from widgets.side_by_side import SideBySide
 from widgets.spectrogram_tools import SpectrogramTools
 from widgets.spectrogram_view import SpectrogramView
 from widgets.spectrum_panel import SpectrumPanel
@@ -47,6 +50,7 @@ if TYPE_CHECKING:
 
 READOUT_LEVEL = "dB"
 AFTER_FRAME_MS = 12  # Qt paints what is due within 5 ms: what waits longer is painted after it
+NARROW, LOW = 1000, 560  # pixels of the page
 
 
 class ReviewPage(QWidget):
@@ -82,11 +86,8 @@ class ReviewPage(QWidget):
         self.why = EvidencePanel(theme)
         self.channels = ChannelPanel(cursor, theme)
         self.bands = BandPanel(theme)
-        self._readout = QLabel()
+        self._readout = PartsLabel()
         self._readout.setObjectName("readout")
-        self._readout.setTextFormat(Qt.TextFormat.PlainText)
-        self._readout.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        self._readout.setMinimumWidth(10)
         self._measured = ""
         self.strips = (self.overview, self.spectrogram, self.level, self.imu, self.profile)
         self.views = (self.path, *self.strips)
@@ -98,6 +99,7 @@ class ReviewPage(QWidget):
         cursor.axis_changed.connect(self._show_readout)
         self._lay_out()
         self.toast = Toast(self)
+        self._small = (False, False)  # narrow, low
         self.arrange("leaks")
 
     def _lay_out(self) -> None:
@@ -126,15 +128,16 @@ class ReviewPage(QWidget):
         self.tools.add_tool("channels", self.tr("Channels"), self.channels, pages=("sound",))
         self.tools.add_tool("clock", self.tr("Clocks"), self.clock, pages=("sound",))
         self._columns = _splitter(Qt.Orientation.Horizontal, "columns", self._maps, beside, self._side)
-        foot = QHBoxLayout()
-        foot.addWidget(self.playback, 1)
-        foot.addWidget(self.view_tools)
-        foot.addWidget(self._readout)
+        told = QWidget()
+        row = QHBoxLayout(told)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.addWidget(self.view_tools)
+        row.addWidget(self._readout, 1)
         whole = QVBoxLayout(self)
         whole.setContentsMargins(6, 6, 6, 4)
         whole.setSpacing(4)
         whole.addWidget(self._columns, 1)
-        whole.addLayout(foot)
+        whole.addWidget(SideBySide(self.playback, told))
 
     @property
     def splitters(self) -> dict[str, QSplitter]:
@@ -172,6 +175,26 @@ class ReviewPage(QWidget):
         self._strips.setSizes([round(height * s) for s in strips[arrangement]])
         self._maps.setSizes([round(height * s) for s in ((0.7, 0.3) if path else (0.65, 0.35))])
         self.layout_changed.emit()
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether plan, views and list have no room beside one another."""
+        return self._small[0]
+
+    @property
+    def is_low(self) -> bool:
+        """Whether all strips have no room above one another."""
+        return self._small[1]
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: a small page shows less."""
+        super().resizeEvent(event)
+        frame = self.parentWidget()  # the page itself is never smaller than what it shows
+        room = self.size() if frame is None else frame.size()
+        small = room.width() < NARROW, room.height() < LOW
+        if small != self._small:
+            self._small = small
+            self.layout_changed.emit()
 
     def focus_views(self) -> None:
         """Give the keyboard back to the views."""
@@ -283,35 +306,39 @@ class ReviewPage(QWidget):
     def show_measured(self, text: str, hint: str) -> None:
         """Say below the read-out what the ruler measures; empty without one."""
         self._measured = text
-        self._readout.setToolTip(hint)
+        self._readout.set_hint(hint)
         self._show_readout()
 
     def _show_readout(self) -> None:
-        self._readout.setText("\n".join(line for line in (self.readout_text(), self._measured) if line))
+        self._readout.set_parts(self._readout_parts(), self._measured)
 
     def readout_text(self) -> str:
         """Return time, chainage ±, east, north, and under the mouse frequency and level."""
+        return BETWEEN.join(text for text, _ in self._readout_parts())
+
+    def _readout_parts(self) -> list[tuple[str, int]]:
+        """Return the figures with their ranks: what is not needed for a verdict gives way first."""
         if self._results is None:
-            return ""
+            return []
         pointed = self._pointed
         time_s = self._cursor.time_s
         if pointed is not None and pointed.time_s is not None:
             time_s = pointed.time_s
-        parts = [clock_text(time_s)]
+        parts = [(clock_text(time_s), 2)]
         chainage_m = self._cursor.chainage_at(time_s)
         if chainage_m is not None:
-            parts.append(place_and_width(chainage_m, view_data.plus_minus_m(self._track, time_s)))
+            parts.append((place_and_width(chainage_m, view_data.plus_minus_m(self._track, time_s)), 0))
         place = self._cursor.position_at(time_s)
         if place is not None:
             east, north, unit = length_cell(place[0]), length_cell(place[1]), length_unit().sign
-            parts.append(self.tr("E {east}  N {north} {unit}").format(east=east, north=north, unit=unit))
+            parts.append((self.tr("E {east}  N {north} {unit}").format(east=east, north=north, unit=unit), 3))
         if pointed is not None and pointed.frequency_hz is not None:
-            parts.append(f"{number(pointed.frequency_hz, 0)} Hz")
+            parts.append((f"{number(pointed.frequency_hz, 0)} Hz", 1))
         if pointed is not None and pointed.level_db is not None:
-            parts.append(f"{number(pointed.level_db, 0)} {READOUT_LEVEL}")
+            parts.append((f"{number(pointed.level_db, 0)} {READOUT_LEVEL}", 1))
         elif pointed is not None and pointed.value is not None:
-            parts.append(f"{number(pointed.value, 1)} {pointed.unit}")
-        return "   ".join(parts)
+            parts.append((f"{number(pointed.value, 1)} {pointed.unit}", 1))
+        return parts
 
 
 def _splitter(orientation: Qt.Orientation, name: str, *widgets: QWidget) -> QSplitter:

@@ -210,7 +210,7 @@ class CandidateTable(QWidget):
         table.setIconSize(QSize(24, 24))
         # the list gives way before the verdict's buttons below it do
         table.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
-        table.setMinimumHeight(3 * ROW_HEIGHT)
+        table.setMinimumHeight(2 * ROW_HEIGHT)
         table.setAccessibleName(self.tr("Leak candidates"))
         table.setWordWrap(False)
         table.setTabKeyNavigation(False)

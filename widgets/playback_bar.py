@@ -67,7 +67,7 @@ class PlaybackBar(QWidget):
         button = QPushButton()
         button.setObjectName(name)
         button.setToolTip(tip)
-        button.setMinimumSize(64, 44)
+        button.setMinimumHeight(44)  # not the width: that would let the word be cut
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # its key is Space, everywhere on the page
         return button
 

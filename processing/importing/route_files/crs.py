@@ -162,8 +162,10 @@ def crs_label(crs: str) -> str:
 
 def all_systems() -> tuple[CrsEntry, ...]:
     """Return every map projection and system of degrees that is in use, by code (some 5000; a tenth of a second)."""
-    from pyproj.database import query_crs_info
+    import pyproj  # the package first: a submodule asked for in one thread while another loads the package is half made
     from pyproj.enums import PJType
+
+    query_crs_info = pyproj.database.query_crs_info
 
     infos = query_crs_info("EPSG", [PJType.PROJECTED_CRS, PJType.GEOGRAPHIC_2D_CRS])
     entries = []
