@@ -208,7 +208,7 @@ class _FilterPanel(QFrame):
         self._score.setRange(0.0, 1.0)
         self._score.setSingleStep(0.05)
         self._score.setMinimumHeight(TOUCH)
-        self._score.setToolTip(self.tr("Marks made by hand have no score; they are always shown"))
+        self._score.setToolTip(self.tr("Marks made by hand have no score; a least score never hides them"))
         self._score.valueChanged.connect(self.score_chosen)
         self._autoplay = QCheckBox(self.tr("Listen to each on arrival"))
         self._autoplay.setObjectName("autoplay")

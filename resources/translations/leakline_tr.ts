@@ -85,7 +85,7 @@
     </message>
     <message>
         <source>Choose class and least score of the candidates that the list shows</source>
-        <translation type="unfinished"></translation>
+        <translation>Listede gösterilecek adayların sınıfını ve en düşük puanını seç</translation>
     </message>
     <message>
         <source>Choose which panels this page shows</source>
@@ -97,7 +97,7 @@
     </message>
     <message>
         <source>Clear filter</source>
-        <translation type="unfinished"></translation>
+        <translation>Süzgeci kaldır</translation>
     </message>
     <message>
         <source>Clear verdict</source>
@@ -118,6 +118,14 @@
     <message>
         <source>Close this survey; everything is saved already</source>
         <translation>Bu ölçümü kapatır; her şey zaten kaydedildi</translation>
+    </message>
+    <message>
+        <source>Compare</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Compare runs</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Compare with the selection</source>
@@ -205,7 +213,7 @@
     </message>
     <message>
         <source>Filter by class and score…</source>
-        <translation type="unfinished"></translation>
+        <translation>Sınıfa ve puana göre süz…</translation>
     </message>
     <message>
         <source>Find a leak between two fixed sensors from their recordings</source>
@@ -257,7 +265,7 @@
     </message>
     <message>
         <source>Go to the candidate above without a verdict</source>
-        <translation type="unfinished"></translation>
+        <translation>Yukarıdaki karar bekleyen adaya git</translation>
     </message>
     <message>
         <source>Go to the next candidate without a verdict</source>
@@ -345,7 +353,7 @@
     </message>
     <message>
         <source>Listen on arrival</source>
-        <translation type="unfinished"></translation>
+        <translation>Gelince dinle</translation>
     </message>
     <message>
         <source>Manual</source>
@@ -385,15 +393,15 @@
     </message>
     <message>
         <source>Move mark back</source>
-        <translation type="unfinished"></translation>
+        <translation>İşareti geriye kaydır</translation>
     </message>
     <message>
         <source>Move mark forward</source>
-        <translation type="unfinished"></translation>
+        <translation>İşareti ileriye kaydır</translation>
     </message>
     <message>
         <source>Move mark to the cursor</source>
-        <translation type="unfinished"></translation>
+        <translation>İşareti imlece taşı</translation>
     </message>
     <message>
         <source>Move the cursor one second back</source>
@@ -425,11 +433,11 @@
     </message>
     <message>
         <source>Move the selected mark a fiftieth of what is shown away from the launch</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçili işareti, görünenin ellide biri kadar girişten uzağa kaydır</translation>
     </message>
     <message>
         <source>Move the selected mark a fiftieth of what is shown towards the launch</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçili işareti, görünenin ellide biri kadar girişe doğru kaydır</translation>
     </message>
     <message>
         <source>Next candidate</source>
@@ -441,7 +449,7 @@
     </message>
     <message>
         <source>Next filter of the list</source>
-        <translation type="unfinished"></translation>
+        <translation>Listenin sonraki süzgeci</translation>
     </message>
     <message>
         <source>Next theme: sun for outdoors, light, dark</source>
@@ -501,7 +509,7 @@
     </message>
     <message>
         <source>Play each candidate in a loop as soon as it is selected, or only by key</source>
-        <translation type="unfinished"></translation>
+        <translation>Her adayı seçilir seçilmez tekrarlı çal ya da yalnızca tuşla çal</translation>
     </message>
     <message>
         <source>Play or pause</source>
@@ -529,11 +537,15 @@
     </message>
     <message>
         <source>Previous undecided</source>
-        <translation type="unfinished"></translation>
+        <translation>Önceki karar bekleyen</translation>
     </message>
     <message>
         <source>Process again</source>
         <translation>Yeniden işle</translation>
+    </message>
+    <message>
+        <source>Put another run of the same pipe beside this one in metres: new, gone, grown; A hears one and the other, G goes to the leak; pressed again, go back</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Put out the light that says the sound was too loud</source>
@@ -541,7 +553,7 @@
     </message>
     <message>
         <source>Put the selected mark where the cursor is</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçili işareti imlecin olduğu yere koy</translation>
     </message>
     <message>
         <source>Quit</source>
@@ -577,11 +589,11 @@
     </message>
     <message>
         <source>Reject all undecided candidates of the list below a score, in one step</source>
-        <translation type="unfinished"></translation>
+        <translation>Listedeki karar bekleyen adaylardan puanı düşük olanların hepsini tek adımda reddet</translation>
     </message>
     <message>
         <source>Reject below a score…</source>
-        <translation type="unfinished"></translation>
+        <translation>Puanı düşük olanları reddet…</translation>
     </message>
     <message>
         <source>Remove route</source>
@@ -641,11 +653,11 @@
     </message>
     <message>
         <source>Show all candidates in the list again</source>
-        <translation type="unfinished"></translation>
+        <translation>Listede yine bütün adayları göster</translation>
     </message>
     <message>
         <source>Show all candidates, or only the undecided, unsure, confirmed or rejected ones</source>
-        <translation type="unfinished"></translation>
+        <translation>Bütün adayları ya da yalnızca karar bekleyen, kararsız, onaylanan veya reddedilenleri göster</translation>
     </message>
     <message>
         <source>Show half of it, around the cursor (wheel, or two fingers; with Ctrl up and down only)</source>
@@ -879,7 +891,7 @@
     <name>BatchReject</name>
     <message>
         <source> and {count} more</source>
-        <translation type="unfinished"></translation>
+        <translation> ve {count} aday daha</translation>
     </message>
     <message>
         <source>Close</source>
@@ -887,19 +899,19 @@
     </message>
     <message>
         <source>Decided ones and marks made by hand stay as they are. One undo takes it all back.</source>
-        <translation type="unfinished"></translation>
+        <translation>Kararı verilmiş olanlar ve elle konan işaretler olduğu gibi kalır. Tek bir geri alma hepsini eski hâline getirir.</translation>
     </message>
     <message>
         <source>Reject below a score</source>
-        <translation type="unfinished"></translation>
+        <translation>Puanı düşük olanları reddet</translation>
     </message>
     <message>
         <source>Reject what is undecided with a score below</source>
-        <translation type="unfinished"></translation>
+        <translation>Karar bekleyenlerden şu puanın altındakileri reddet:</translation>
     </message>
     <message>
         <source>Reject {count}</source>
-        <translation type="unfinished"></translation>
+        <translation>Reddet: {count}</translation>
     </message>
     <message>
         <source>Score</source>
@@ -907,7 +919,7 @@
     </message>
     <message>
         <source>{count} of {all} undecided candidates in the list are below {score}.</source>
-        <translation type="unfinished"></translation>
+        <translation>Listede karar bekleyen {all} adaydan {score} altında olan: {count}.</translation>
     </message>
 </context>
 <context>
@@ -981,7 +993,7 @@
     </message>
     <message>
         <source>No candidate fits the filter.</source>
-        <translation type="unfinished"></translation>
+        <translation>Süzgece uyan aday yok.</translation>
     </message>
     <message>
         <source>No leak candidates were found. M marks one by hand at the cursor.</source>
@@ -1718,7 +1730,7 @@
     </message>
     <message>
         <source>Class (C); {sign} is what the machine takes it for</source>
-        <translation type="unfinished"></translation>
+        <translation>Sınıf (C); {sign}: programın tahmini</translation>
     </message>
     <message>
         <source>Clear</source>
@@ -2337,7 +2349,7 @@
     </message>
     <message>
         <source>Leak {percent} % · looks like: {kind}</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçak %{percent} · benzediği: {kind}</translation>
     </message>
     <message>
         <source>Marked by hand.</source>
@@ -2751,7 +2763,7 @@
     <name>HandoverForm</name>
     <message>
         <source>All</source>
-        <translation type="unfinished"></translation>
+        <translation>Hepsi</translation>
     </message>
     <message>
         <source>All of it also as one zip file</source>
@@ -3070,58 +3082,58 @@
     <name>ListControl</name>
     <message>
         <source>Candidates are played by key only</source>
-        <translation type="unfinished"></translation>
+        <translation>Adaylar yalnızca tuşla çalınır</translation>
     </message>
     <message>
         <source>Each candidate is played on arrival</source>
-        <translation type="unfinished"></translation>
+        <translation>Her aday, gelindiğinde çalınır</translation>
     </message>
     <message>
         <source>List: {what}</source>
-        <translation type="unfinished"></translation>
+        <translation>Liste: {what}</translation>
     </message>
     <message>
         <source>all</source>
-        <translation type="unfinished"></translation>
+        <translation>hepsi</translation>
     </message>
     <message>
         <source>reject {count} below {score}</source>
-        <translation type="unfinished"></translation>
+        <translation>{score} altındaki {count} adayı reddetme</translation>
     </message>
 </context>
 <context>
     <name>ListTools</name>
     <message>
         <source>All</source>
-        <translation type="unfinished"></translation>
+        <translation>Hepsi</translation>
     </message>
     <message>
         <source>All {all} decided: to the report (Ctrl+5)</source>
-        <translation type="unfinished"></translation>
+        <translation>{all} adayın hepsi tamam: rapora git (Ctrl+5)</translation>
     </message>
     <message>
         <source>By place</source>
-        <translation type="unfinished"></translation>
+        <translation>Yere göre</translation>
     </message>
     <message>
         <source>By score</source>
-        <translation type="unfinished"></translation>
+        <translation>Puana göre</translation>
     </message>
     <message>
         <source>Clear filter</source>
-        <translation type="unfinished"></translation>
+        <translation>Süzgeci kaldır</translation>
     </message>
     <message>
         <source>Clear the filter: show all candidates</source>
-        <translation type="unfinished"></translation>
+        <translation>Süzgeci kaldır: bütün adayları göster</translation>
     </message>
     <message>
         <source>Filter by class and score; listen to each candidate on arrival (Shift+N)</source>
-        <translation type="unfinished"></translation>
+        <translation>Sınıfa ve puana göre süz; her adayı gelince dinle (Shift+N)</translation>
     </message>
     <message>
         <source>More…</source>
-        <translation type="unfinished"></translation>
+        <translation>Diğer…</translation>
     </message>
     <message>
         <source>Order of the list</source>
@@ -3129,11 +3141,11 @@
     </message>
     <message>
         <source>Undecided and hidden by the filter: {count}</source>
-        <translation type="unfinished"></translation>
+        <translation>Karar bekleyen, süzgecin gizlediği: {count}</translation>
     </message>
     <message>
         <source>Which candidates are shown (N)</source>
-        <translation type="unfinished"></translation>
+        <translation>Hangi adaylar gösterilsin (N)</translation>
     </message>
     <message>
         <source>{decided} of {all} decided</source>
@@ -3141,11 +3153,11 @@
     </message>
     <message>
         <source>{shown} of {all} shown</source>
-        <translation type="unfinished"></translation>
+        <translation>Görünen: {shown} / {all}</translation>
     </message>
     <message>
         <source>✕ Filter</source>
-        <translation type="unfinished"></translation>
+        <translation>✕ Süzgeç</translation>
     </message>
 </context>
 <context>
@@ -3271,11 +3283,11 @@
     <name>MarkControl</name>
     <message>
         <source>Only a mark made by hand can be moved: select one, or press M for a new one.</source>
-        <translation type="unfinished"></translation>
+        <translation>Yalnızca elle konan işaret kaydırılabilir: birini seçin ya da yenisi için M'ye basın.</translation>
     </message>
     <message>
         <source>move {name}</source>
-        <translation type="unfinished"></translation>
+        <translation>{name} kaydırma</translation>
     </message>
 </context>
 <context>
@@ -3712,8 +3724,8 @@
         <translation>Bu kaçağın fotoğrafları</translation>
     </message>
     <message>
-        <source>Remove</source>
-        <translation>Sil</translation>
+        <source>Remove photo</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Show large</source>
@@ -4572,6 +4584,131 @@ bir daha</translation>
     </message>
 </context>
 <context>
+    <name>RepeatControl</name>
+    <message>
+        <source>Another run of this pipe</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Choose another run of this pipe</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Choose another run of this pipe: a recent survey, or its folder.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Comparing two runs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Comparing …</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Open and process a survey first, then compare it with another run of its pipe.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write the changes</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Written to {folder}</source>
+        <translation>Yazıldı: {folder}</translation>
+    </message>
+</context>
+<context>
+    <name>RepeatPage</name>
+    <message>
+        <source>Back</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Change</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Choose another run of this pipe</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Choose folder…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Compare with</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Go to the leak</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Growth</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Hear {name}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Leak</source>
+        <translation>Kaçak</translation>
+    </message>
+    <message>
+        <source>Open that survey</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Opposite way</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Other run</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Place</source>
+        <translation>Yer</translation>
+    </message>
+    <message>
+        <source>Places of both runs</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The other run</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>The other run went through the pipe the other way round</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>This run</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Write table…</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
+    <name>RepeatView</name>
+    <message>
+        <source>Both runs along the pipe</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>feet of this survey</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>metres of this survey</source>
+        <translation type="unfinished"></translation>
+    </message>
+</context>
+<context>
     <name>ReportControl</name>
     <message>
         <source>Coordinate systems</source>
@@ -4760,19 +4897,19 @@ bir daha</translation>
     <name>ReviewControl</name>
     <message>
         <source>All candidates are decided: go to the report (Ctrl+5)</source>
-        <translation type="unfinished"></translation>
+        <translation>Bütün adaylar için karar verildi: rapora gidin (Ctrl+5)</translation>
     </message>
     <message>
         <source>Done again: {what}</source>
-        <translation type="unfinished"></translation>
+        <translation>Yinelendi: {what}</translation>
     </message>
     <message>
         <source>Nothing undecided is left in this list; undecided ones that the filter hides: {count}</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu listede karar bekleyen kalmadı; süzgecin gizlediği karar bekleyen: {count}</translation>
     </message>
     <message>
         <source>Undone: {what}</source>
-        <translation type="unfinished"></translation>
+        <translation>Geri alındı: {what}</translation>
     </message>
     <message>
         <source>class of {name}</source>
@@ -5075,6 +5212,10 @@ bir daha</translation>
     <message>
         <source>Second review by {name}: the first verdicts are hidden. Ctrl+J ends it.</source>
         <translation>İkinci inceleme: {name}. İlk kararlar gizli. Ctrl+J bitirir.</translation>
+    </message>
+    <message>
+        <source>The second review has ended. Differences: {count}.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>With so few leaks this figure says little.</source>
@@ -6036,6 +6177,22 @@ bir daha</translation>
         <source>Axes, colours</source>
         <translation>Eksen, renk</translation>
     </message>
+    <message>
+        <source>Contrast and colours</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Measure</source>
+        <translation>Ölç</translation>
+    </message>
+    <message>
+        <source>Selection</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>View</source>
+        <translation type="unfinished"></translation>
+    </message>
 </context>
 <context>
     <name>ViewTools</name>
@@ -6171,19 +6328,19 @@ bir daha</translation>
     </message>
     <message>
         <source>Least score</source>
-        <translation type="unfinished"></translation>
+        <translation>En düşük puan</translation>
     </message>
     <message>
         <source>Listen to each on arrival</source>
-        <translation type="unfinished"></translation>
+        <translation>Her adayı gelince dinle</translation>
     </message>
     <message>
-        <source>Marks made by hand have no score; they are always shown</source>
-        <translation type="unfinished"></translation>
+        <source>Marks made by hand have no score; a least score never hides them</source>
+        <translation>Elle konan işaretlerin puanı yoktur; puan süzgeci onları gizlemez</translation>
     </message>
     <message>
         <source>any class</source>
-        <translation type="unfinished"></translation>
+        <translation>her sınıf</translation>
     </message>
 </context>
 </TS>
