@@ -205,6 +205,9 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "What will be written, and where"), Needs.SURVEY),
     _row("correlator", N("Actions", "Correlator"), "Ctrl+K", Page.VIEW, "correlator.show",
          N("Actions", "Find a leak between two fixed sensors from their recordings"), short=N("Actions", "Correlator")),
+    _row("repeat", N("Actions", "Compare runs"), "Ctrl+L", Page.VIEW, "work.repeat.toggle",
+         N("Actions", "Put another run of the same pipe beside this one in metres: new, gone, grown; A hears one and the "
+           "other, G goes to the leak; pressed again, go back"), Needs.SURVEY, short=N("Actions", "Compare")),
     _row("left", N("Actions", "Cursor back"), "Left", Page.VIEW, "review.step_back",
          N("Actions", "Move the cursor one step back: a fiftieth of what is shown"), Needs.RESULTS),
     _row("right", N("Actions", "Cursor forward"), "Right", Page.VIEW, "review.step_forward",

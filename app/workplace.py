@@ -19,6 +19,7 @@ from app.guide_control import GuideControl
 from app.page_host import PageHost
 from app.photo_control import PhotoControl
 from app.second_review import SecondReview
+from app.repeat_control import RepeatControl
 from app.services import Services
 from app.settings_control import SettingsControl
 from app.start_control import StartControl
@@ -41,6 +42,9 @@ class Workplace(QObject):
         self.views = ViewsControl(window, services)
         self.digs = DigControl(services, host, language, window)
         self.digs.told.connect(self.told)
+        self.repeat = RepeatControl(services, host, language, window)
+        self.repeat.told.connect(self.told)
+        self.repeat.open_asked.connect(window.files.open_path)
         table, toast = window.review_page.table, window.review_page.toast
         self.list = ListControl(services.session, table, services.preferences, window)
         self.marks = MarkControl(services.session, window.player, self)
@@ -83,6 +87,7 @@ class Workplace(QObject):
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""
         self.gallery.apply_theme(theme)
+        self.repeat.apply_theme(theme)
         self.second.apply_theme(theme)
         self.guide.apply_theme(theme)
 
@@ -90,6 +95,7 @@ class Workplace(QObject):
         """Leave no work behind: the window closes."""
         self.views.stop()
         self.digs.stop()
+        self.repeat.stop()
         self.gallery.stop()
         self.photos.stop()
         self.guide.stop()

@@ -24,9 +24,12 @@ def name_of(place: Place) -> str:
     return f"L{place.theirs.label}\N{PRIME}" if place.theirs is not None else "–"
 
 
-def change_word(change: Change, language: str) -> str:
-    """Return the change in a word or two."""
-    return messages.text("repeat", f"{change.value}_word", language)
+def change_word(place: Place, language: str) -> str:
+    """Return the change in a word or two, and of what is in both runs whether it is plainly louder or fainter."""
+    word = messages.text("repeat", f"{place.change.value}_word", language)
+    if place.change is not Change.SAME or not place.has_changed:
+        return word
+    return f"{word}, {messages.text('repeat', 'louder' if place.growth_db > 0.0 else 'fainter', language)}"
 
 
 def basis_sentences(comparison: Comparison, quantities: Quantities) -> tuple[str, ...]:
@@ -83,7 +86,7 @@ def place_sentence(place: Place, quantities: Quantities) -> str:
         name=name_of(place),
         place=quantities.place(place.chainage_m),
         half=quantities.length(place.half95_m),
-        change=change_word(place.change, quantities.language),
+        change=change_word(place, quantities.language),
         growth=growth_text(place, quantities),
     )
 

@@ -42,6 +42,25 @@ def own_home(tmp_path_factory, monkeypatch):
 
 
 @pytest.fixture(scope="session")
+def main_twice(tmp_path_factory):
+    """The same simulated main listened to in 2025 and in 2026: paths of both survey folders, and their results.
+
+    A leak stayed at 20 m, one at 45 m grew by 6 dB, one at 80 m was mended, one at 65 m is new; the ball was quicker
+    and the recorder set louder the second time.
+    """
+    from repeated_main import listened
+
+    place = tmp_path_factory.mktemp("main")
+    old, before = listened(place, "old", "2025-05-04", [(20.0, 10.0), (45.0, 8.0), (80.0, 9.0)], seed=1)
+    new, now = listened(
+        place, "new", "2026-05-04", [(20.0, 10.0), (45.0, 14.0), (65.0, 10.0)], seed=2, speed_mps=0.75, gain_db=6.0
+    )
+    old.close()
+    new.close()
+    return (old.path, before), (new.path, now)
+
+
+@pytest.fixture(scope="session")
 def _sound_server():
     if (reason := sound_server_helper.why_missing()) is not None:
         pytest.skip(reason)

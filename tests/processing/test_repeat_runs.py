@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from repeated_main import listened
 from small_survey import make_folder, make_results
 
 from processing.errors import ErrorCode, LeaklineError
@@ -19,15 +18,8 @@ OLD, NEW = "2025-05-04", "2026-05-04"
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """The main in 2025 and, louder recorded and with a quicker ball, in 2026."""
-    place = tmp_path_factory.mktemp("main")
-    old_folder, old = listened(place, "old", OLD, [(20.0, 10.0), (45.0, 8.0), (80.0, 9.0)], seed=1)
-    new_folder, new = listened(
-        place, "new", NEW, [(20.0, 10.0), (45.0, 14.0), (65.0, 10.0)], seed=2, speed_mps=0.75, gain_db=6.0
-    )
-    old_folder.close()
-    new_folder.close()
+def runs(main_twice):
+    (_, old), (_, new) = main_twice
     return ComparedRun("new", NEW, new), ComparedRun("old", OLD, old)
 
 
