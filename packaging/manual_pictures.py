@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 SIZE = (1366, 728)  # of the smallest laptop's window
 WIDTH = 860  # of a picture: what the manual's window has room for
-COLOURS = 160
+COLOURS = 256
 DEADLINE_S = 600.0
 SETTLE_S = 1.2  # pictures of the spectrogram come from workers
 
@@ -59,6 +59,8 @@ def main(place: Path) -> None:
         for name, show in _pictures(window).items():
             shown = show()
             _settle()
+            window.notices.told.hide()  # it names a folder of this computer
+            window.data_page.set_path(device.name)
             _save(shown, ROOT / "resources" / "manual" / language / f"{name}.png")
         window.close()
         application.shut_down()
@@ -131,7 +133,7 @@ def _save(widget: QWidget, file: Path) -> None:
         height = round(picture.height * WIDTH / picture.width)
         small = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS)
         file.parent.mkdir(parents=True, exist_ok=True)
-        small.quantize(COLOURS, dither=Image.Dither.NONE).save(file, optimize=True)
+        small.quantize(COLOURS, kmeans=1, dither=Image.Dither.NONE).save(file, optimize=True)
     print(f"{file.relative_to(ROOT)}  {file.stat().st_size / 1024:.0f} kB")
 
 

@@ -3,9 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from PySide6.QtCore import QSize, Qt, QUrl
-from PySide6.QtGui import QKeySequence, QShortcut, QTextCharFormat, QTextCursor
+from PySide6.QtCore import QByteArray, QSize, Qt, QTimer, QUrl, Signal
+from PySide6.QtGui import (
+    QImage,
+    QKeySequence,
+    QResizeEvent,
+    QShortcut,
+    QTextCharFormat,
+    QTextCursor,
+    QTextDocument,
+)
 from PySide6.QtWidgets import (
     QDialog,
     QHBoxLayout,
@@ -25,6 +34,7 @@ from widgets.folding import folded, has_all_words
 
 NAME = Qt.ItemDataRole.UserRole
 MARK_ALPHA = 110
+LEAST_PICTURE = 200  # pixels: with less room nothing would be seen on it
 
 
 @dataclass(frozen=True)
@@ -37,6 +47,32 @@ class ShownPage:
     text: str
 
 
+class _PageBrowser(QTextBrowser):
+    """Shows pictures no wider than there is room, so that nobody scrolls sideways."""
+
+    def loadResource(self, kind: int, name: QUrl | str) -> Any:  # noqa: ANN401  # what Qt's own returns
+        """Qt: the picture, made to fit."""
+        found = super().loadResource(kind, name)
+        if kind != QTextDocument.ResourceType.ImageResource.value or not isinstance(found, QByteArray):
+            return found
+        picture = QImage.fromData(found)
+        room = self.viewport().width() - 2 * round(self.document().documentMargin()) - 2
+        if picture.width() <= room or room < LEAST_PICTURE:
+            return picture
+        sharp = self.devicePixelRatioF()
+        small = picture.scaledToWidth(round(room * sharp), Qt.TransformationMode.SmoothTransformation)
+        small.setDevicePixelRatio(sharp)
+        return small
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: let pictures fit again."""
+        super().resizeEvent(event)
+        if event.size().width() != event.oldSize().width():
+            self.resized.emit()
+
+    resized = Signal()
+
+
 class ManualWindow(QDialog):
     """Stays open beside the window; pictures come from ``folder``."""
 
@@ -47,7 +83,13 @@ class ManualWindow(QDialog):
         self._pages = {page.name: page for page in pages}
         self._history: list[str] = []
         self._at = -1
-        self._browser = QTextBrowser()
+        self._browser = _PageBrowser()
+        self._browser.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOn)  # pictures fit beside it
+        self._fitting = QTimer(self)
+        self._fitting.setSingleShot(True)
+        self._fitting.setInterval(0)
+        self._fitting.timeout.connect(self._fit)
+        self._browser.resized.connect(self._fitting.start)
         self._browser.setSearchPaths([str(folder)])
         self._browser.setOpenLinks(False)
         self._browser.setAccessibleName(self.tr("Page of the manual"))
@@ -81,6 +123,7 @@ class ManualWindow(QDialog):
         ):
             QShortcut(QKeySequence(key), self).activated.connect(call)
         self._look()
+        self._browser.setFocus()  # arrows and page keys scroll at once
 
     def _button(self, text: str, name: str, call: object) -> QPushButton:
         button = QPushButton(text)
@@ -150,6 +193,15 @@ class ManualWindow(QDialog):
             if item.data(NAME) == self.page:
                 self._contents.setCurrentItem(item)
         self._mark()
+
+    def _fit(self) -> None:
+        """Show the page again for another width, at the same place in it."""
+        if self._history:
+            bar = self._browser.verticalScrollBar()
+            share = bar.value() / max(bar.maximum(), 1)
+            self._browser.setMarkdown(self._pages[self.page].markdown)
+            self._mark()
+            bar.setValue(round(share * bar.maximum()))
 
     def _follow(self, url: QUrl) -> None:
         name = url.path().removesuffix(".md")

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from widgets.recent_surveys import RecentRow, RecentSurveys
@@ -72,6 +73,12 @@ class StartPage(QWidget):
         button.setMinimumHeight(height)
         button.clicked.connect(signal)
         return button
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Qt: the keyboard begins at the newest survey, else at opening one."""
+        super().showEvent(event)
+        rows = self.recent.shown
+        (rows[0].button if rows else self._open).setFocus()
 
     def set_recent(self, rows: Sequence[RecentRow]) -> None:
         """Show the recent surveys, as they come."""

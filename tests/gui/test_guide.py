@@ -13,8 +13,9 @@ from small_survey import make_folder, make_results
 from app.application import Application
 from app.readiness_facts import facts_of_session
 from app.settings import PreferencesStore
+from app.survey_session import SurveySession
 from processing.readiness import Lead, Light, Step
-from processing.survey import PipeInfo, Survey, TiePoint, Verdict
+from processing.survey import PipeInfo, TiePoint, Verdict
 from widgets.bubble import place_beside
 from widgets.lights import LIGHT_SIGNS, light_icon
 from widgets.plot_theme import THEMES
@@ -60,49 +61,37 @@ def bubble(window):
     return window.findChild(ReadinessBubble)
 
 
-def test_with_nothing_open_all_lights_are_grey(application):
-    assert set(lights(application.window).values()) == {Light.GREY}
+def test_without_results_lights_are_grey_and_the_tie_points_stand_beside_the_form(application, tmp_path):
+    window, session = application.window, application.services.session
+    assert set(lights(window).values()) == {Light.GREY}
+    session.open(make_folder(tmp_path))
+    window.show_page("data")
+    QTest.mouseClick(window.findChild(QToolButton, "step_ties"), LEFT)
+    assert window.page == "data"
+    assert window.data_page.tie_points.isVisible()
 
 
-def test_one_tie_point_is_yellow_and_a_second_knowledge_makes_it_green(application, opened):
-    window = application.window
+def test_the_lights_follow_form_verdicts_and_exports(application, opened, qtbot):
+    window, guide = application.window, application.window.work.guide
+    # one tie point is yellow, a second piece of knowledge makes it green, none at all red
+    told = opened.survey
     assert lights(window)["ties"] is Light.YELLOW
-    assert opened.write_survey(replace(opened.survey, pipe=PipeInfo(length_m=100.0)))
+    assert opened.write_survey(replace(told, pipe=PipeInfo(length_m=100.0)))
     assert lights(window)["ties"] is Light.GREEN
     assert lights(window)["data"] is Light.YELLOW  # the form has changed since it was processed
-    assert opened.write_survey(replace(opened.survey, pipe=PipeInfo(), tie_points=()))
+    assert opened.write_survey(replace(told, pipe=PipeInfo(), tie_points=()))
     assert lights(window)["ties"] is Light.RED
-
-
-def test_a_tie_point_that_is_switched_off_does_not_count(opened):
-    point = TiePoint("valve", 20.0, chainage_m=40.0, enabled=False)
-    assert opened.write_survey(replace(opened.survey, tie_points=(*opened.survey.tie_points, point)))
-    assert facts_of_session(opened, None, None, "length").ties == 1
-
-
-def test_the_light_of_the_leaks_counts_down_with_the_verdicts(application, opened):
-    window = application.window
+    assert opened.write_survey(told)
+    # the light of the leaks counts down with the verdicts, and comes back with undo
     for left in (4, 3, 2, 1):
         assert lights(window)["leaks"] is Light.YELLOW
         assert f"{left} of 4" in window.step_bar.light_button("leaks").toolTip()
         window.review.confirm()
-    assert lights(window)["leaks"] is Light.GREEN
+    qtbot.waitUntil(lambda: window.step_bar.light("leaks") is Light.GREEN, timeout=3000)  # by itself
     window.review.undo()
     assert lights(window)["leaks"] is Light.YELLOW
-
-
-def test_the_lights_follow_a_verdict_by_themselves(application, opened, qtbot):
-    window = application.window
-    for _ in range(4):
-        window.review.reject()
-    qtbot.waitUntil(lambda: window.step_bar.light("leaks") is Light.GREEN, timeout=3000)
-
-
-def test_a_verdict_after_the_export_makes_the_report_yellow_again(application, opened):
-    window, guide = application.window, application.window.work.guide
-    for candidate in opened.ordered_ids():
-        opened.select(candidate)
-        window.review.confirm()
+    window.review.redo()
+    # a verdict after the export makes the report old
     assert lights(window)["report"] is Light.YELLOW
     export = opened.folder.new_export("leakline", "", opened.run)
     export.mkdir()
@@ -114,23 +103,18 @@ def test_a_verdict_after_the_export_makes_the_report_yellow_again(application, o
     assert lights(window)["report"] is Light.YELLOW
 
 
-def test_pressing_a_light_tells_why_and_its_button_leads_there(application, opened):
+def test_pressing_a_light_tells_why_and_leads_there_by_mouse_and_by_keyboard(application, opened):
     window = application.window
+    window.activateWindow()
     QTest.mouseClick(window.findChild(QToolButton, "light_leaks"), LEFT)
     shown = bubble(window)
     assert shown.isVisible()
     assert any("4 of 4" in row.text for row in shown.rows)
-    window.show_page("data")
     QTest.mouseClick(shown.findChild(QPushButton, "lead_undecided"), LEFT)
     assert (window.page, shown.isVisible()) == ("leaks", False)
     assert opened.decision(opened.selected).verdict is Verdict.NONE
-
-
-def test_by_keyboard_all_that_is_missing_is_shown_and_left_again(application, opened):
-    window = application.window
-    window.activateWindow()
+    # by keyboard all of them are shown, and left again
     window.actions_by_id["missing"].trigger()
-    shown = bubble(window)
     assert len(shown.rows) == len(Step)
     assert window.rect().contains(shown.geometry())
     assert shown.isAncestorOf(window.focusWidget())
@@ -139,35 +123,28 @@ def test_by_keyboard_all_that_is_missing_is_shown_and_left_again(application, op
     window.actions_by_id["missing"].trigger()
     window.actions_by_id["missing"].trigger()
     assert not shown.isVisible()
-
-
-def test_every_lead_goes_somewhere(application, opened):
-    window = application.window
+    # every lead goes somewhere
     elsewhere = {Lead.FORM: "data", Lead.TIES: "path", Lead.UNDECIDED: "leaks", Lead.EXPORT: "report"}
     for lead in Lead:
         if lead not in (Lead.OPEN, Lead.PROCESS):  # these ask for a folder, or begin to work
             window.show_page("start")
             window.work.guide.go(lead.value)
             assert window.page == elsewhere.get(lead, lead.value)
-
-
-def test_the_tie_points_step_leads_beside_the_form_while_there_is_no_path(application, tmp_path):
-    session = application.services.session
-    session.open(make_folder(tmp_path))
-    window = application.window
-    window.show_page("data")
-    QTest.mouseClick(window.findChild(QToolButton, "step_ties"), LEFT)
-    assert window.page == "data"
-    assert window.data_page.tie_points.isVisible()
-
-
-def test_a_light_is_told_to_who_cannot_see_it(application, opened):
-    window = application.window
-    lights(window)
+    # and a light is told to who cannot see it
     button = window.findChild(QToolButton, "light_leaks")
     assert button.accessibleName() == "Leaks: mind"
     assert button.accessibleDescription() == button.toolTip() != ""
     assert button.height() >= 40 <= button.width()
+
+
+def test_a_tie_point_that_is_switched_off_does_not_count(qapp, tmp_path):
+    session = SurveySession()
+    assert not facts_of_session(session, None, None, "").is_open
+    session.open(make_folder(tmp_path))
+    point = TiePoint("valve", 20.0, chainage_m=40.0, enabled=False)
+    assert session.write_survey(replace(session.survey, tie_points=(*session.survey.tie_points, point)))
+    assert facts_of_session(session, None, None, "length").ties == 1
+    session.close()
 
 
 @pytest.mark.parametrize("theme", THEMES.values(), ids=lambda theme: theme.name)
@@ -190,8 +167,3 @@ def test_a_bubble_never_leaves_the_window_and_covers_its_anchor_only_for_want_of
             assert room.contains(place)
             assert not place.intersects(target)
     assert room.contains(place_beside(QRect(100, 50, 1200, 600), size, room))
-
-
-def test_facts_without_a_survey_are_empty(application):
-    assert not facts_of_session(application.services.session, None, None, "").is_open
-    assert application.services.session.survey == Survey()

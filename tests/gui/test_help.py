@@ -17,7 +17,6 @@ from app.help_control import key_rows
 from app.settings import PreferencesStore
 from widgets.key_sheet import LARGEST, STEP, USUAL, KeySheetWindow, write_pdf
 from widgets.manual_window import ManualWindow, ShownPage
-from widgets.tour_bubble import TourBubble
 
 LEFT = Qt.MouseButton.LeftButton
 
@@ -90,24 +89,13 @@ def test_the_search_looks_through_all_text_and_puts_titles_first(window):
 def test_pictures_of_the_pages_are_shown(window):
     window.show_page("review")
     picture = manual.PICTURE.findall(manual.raw("review", "en"))[0]
-    assert len(window._browser.loadResource(QTextDocument.ResourceType.ImageResource.value, QUrl(picture))) > 1000
-
-
-def test_the_manual_opens_where_one_is_and_once(application):
-    work = application.window
-    work.actions_by_id["help"].trigger()
-    assert work.help.shown.page == "quick-start"
-    first = work.help.shown
-    work.show_page("data")
-    work.actions_by_id["help"].trigger()
-    assert work.help.shown is first
-    assert first.page == "importing"
-    first.close()
-    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
-    assert work.help.shown is None
-    work.actions_by_id["help"].trigger()
-    assert work.help.shown.isVisible()
-    work.help.shown.close()
+    for width in (1100, 700):
+        window.resize(width, 600)
+        window._fit()
+        image = window._browser.loadResource(QTextDocument.ResourceType.ImageResource.value, QUrl(picture))
+        assert 200 < image.width() <= window._browser.viewport().width()
+        assert not window._browser.horizontalScrollBar().isVisible()
+    assert window.page == "review"
 
 
 # --- keys ---
@@ -135,20 +123,6 @@ def test_the_sheet_is_searched_by_what_a_key_does(sheet):
     assert "Zoom in" not in sheet.findChild(QTextBrowser).toPlainText()
 
 
-def test_letters_grow_and_the_size_is_remembered(application):
-    window = application.window
-    window.actions_by_id["keys"].trigger()
-    QTest.mouseClick(window.help.shown.findChild(QPushButton, "keys_larger"), LEFT)
-    assert window.help.shown.points == USUAL + STEP
-    window.actions_by_id["keys"].trigger()
-    assert window.help.shown.points == USUAL + STEP
-    for _ in range(20):
-        window.help.shown._resize(+STEP)
-    assert window.help.shown.points == LARGEST
-    assert not window.help.shown.findChild(QPushButton, "keys_larger").isEnabled()
-    window.help.shown.close()
-
-
 def test_the_printed_sheet_holds_all_keys_on_a_few_pages(qapp, tmp_path):
     file = tmp_path / "keys.pdf"
     write_pdf(key_rows(), "Keys", file)
@@ -163,27 +137,49 @@ def test_the_printed_sheet_holds_all_keys_on_a_few_pages(qapp, tmp_path):
         write_pdf(key_rows(), "Keys", tmp_path / "nowhere" / "keys.pdf")
 
 
-# --- tour ---
+# --- in the window ---
 
 
-def test_the_tour_is_offered_once_and_called_again_by_key(application):
+def test_manual_and_key_sheet_open_where_one_is_and_once(application):
+    window = application.window
+    window.actions_by_id["help"].trigger()
+    assert window.help.shown.page == "quick-start"
+    first = window.help.shown
+    window.show_page("data")
+    window.actions_by_id["help"].trigger()
+    assert window.help.shown is first
+    assert first.page == "importing"
+    first.close()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    assert window.help.shown is None
+    # letters of the key sheet grow, and their size is remembered
+    window.actions_by_id["keys"].trigger()
+    QTest.mouseClick(window.help.shown.findChild(QPushButton, "keys_larger"), LEFT)
+    assert window.help.shown.points == USUAL + STEP
+    window.actions_by_id["keys"].trigger()
+    assert window.help.shown.points == USUAL + STEP
+    for _ in range(20):
+        window.help.shown._resize(+STEP)
+    assert window.help.shown.points == LARGEST
+    assert not window.help.shown.findChild(QPushButton, "keys_larger").isEnabled()
+    window.help.shown.close()
+
+
+def test_the_tour_is_offered_once_takes_no_keyboard_and_is_called_again_by_key(application, qtbot):
     window, preferences = application.window, application.services.preferences
     tour = window.work.tour
+    held = window.focusWidget()
     tour.offer()
-    assert tour.shown is not None
+    assert window.focusWidget() is held
     assert preferences.values.tour_seen
+    bubble = tour.shown
     QTest.mouseClick(window.findChild(QPushButton, "tour_close"), LEFT)
     assert tour.shown is None
     tour.offer()
     assert tour.shown is None
+    # five hints stand beside visible widgets and cover none of them
+    window.activateWindow()
     window.actions_by_id["tour"].trigger()
-    assert tour.shown is not None
-
-
-def test_five_hints_stand_beside_visible_widgets_and_cover_none_of_them(application):
-    window = application.window
-    window.work.tour.show()
-    bubble = window.work.tour.shown
     said = []
     for _ in range(5):
         anchor = bubble._anchor
@@ -194,37 +190,23 @@ def test_five_hints_stand_beside_visible_widgets_and_cover_none_of_them(applicat
         assert not bubble.geometry().intersects(target)
         said.append(bubble.words)
         QTest.mouseClick(bubble.next_button, LEFT)
-    assert window.work.tour.shown is None
+    assert tour.shown is None
     assert len(set(said)) == 5
     assert "Ctrl+O" in said[0]
     assert "Ctrl+E" in said[4]
-
-
-def test_the_tour_by_keyboard(application):
-    window = application.window
-    window.activateWindow()
-    tour = window.work.tour
-    tour.show()
-    bubble = tour.shown
-    first = bubble.words
-    bubble.setFocus()
-    QTest.keyClick(bubble, Qt.Key.Key_Right)
-    assert bubble.words != first
-    QTest.keyClick(bubble, Qt.Key.Key_Left)
-    QTest.keyClick(bubble, Qt.Key.Key_Left)
-    assert bubble.words == first
+    # by keyboard
     window.actions_by_id["tour"].trigger()
-    assert bubble.words != first
+    bubble.setFocus()
+    for key, words in ((Qt.Key.Key_Right, said[1]), (Qt.Key.Key_Left, said[0]), (Qt.Key.Key_Left, said[0])):
+        QTest.keyClick(bubble, key)
+        assert bubble.words == words
+    window.actions_by_id["tour"].trigger()
+    assert bubble.words == said[1]
+    window.actions_by_id["tour"].trigger()
     QTest.keyClick(bubble, Qt.Key.Key_Escape)
     assert tour.shown is None
-
-
-def test_the_tour_takes_no_keyboard_and_follows_the_page(application, qtbot):
-    window = application.window
-    held = window.focusWidget()
-    window.work.tour.offer()
-    assert window.focusWidget() is held
-    bubble = window.findChild(TourBubble)
+    # on another page it points at what is visible there
+    tour.show()
     before = bubble._anchor
     window.show_page("data")
     qtbot.waitUntil(lambda: bubble._anchor is not before, timeout=3000)

@@ -12,7 +12,6 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QPushButton, QToolButton
 from small_survey import make_folder, make_results, make_track
 
-from app import survey_cards
 from app.application import Application
 from app.settings import PreferencesStore
 from app.survey_cards import OUTLINE_POINTS, CardStore, SurveyCard, outline
@@ -73,73 +72,57 @@ def test_a_closed_survey_is_listed_with_its_review_and_its_path(application, tmp
     assert (row.outline[0], row.outline[-1]) == ((0.0, 0.0), (100.0, 0.0))
 
 
-def test_showing_the_list_opens_no_survey_that_is_remembered(application, tmp_path, qtbot, monkeypatch):
-    window = application.window
-    application.services.preferences.remember_recent(tmp_path / "a.leakline")
-    window.work.start._cards.write(str(tmp_path / "a.leakline"), SurveyCard(name="A", candidates=23, decided=7))
-    (tmp_path / "a.leakline").mkdir()
-    (tmp_path / "a.leakline" / "survey.db").write_bytes(b"no database at all")
-    opened = []
-    monkeypatch.setattr(survey_cards, "peeked", opened.append)
-    window.work.start.refresh()
-    qtbot.waitUntil(lambda: not application.services.jobs.running)
-    assert opened == []
-    assert [line[2] for line in lines(window).values()] == ["7 of 23 decided"]
-
-
-def test_a_survey_that_nobody_remembers_is_asked_from_its_database(application, tmp_path, qtbot):
-    window = application.window
-    with make_folder(tmp_path) as folder:
-        path = folder.path
-    application.services.preferences.remember_recent(path)
-    window.work.start.refresh()
-    qtbot.waitUntil(lambda: not application.services.jobs.running)
-    assert lines(window)[str(path)][0] == "Station Road  ·  4 May 2026"
-    assert lines(window)[str(path)][2] == "Not processed yet"
-
-
-def test_a_pulled_stick_is_told_and_its_survey_can_be_taken_off_the_list(application, tmp_path, qtbot):
+def test_the_list_knows_remembered_unknown_pinned_and_missing_surveys(application, tmp_path, qtbot, monkeypatch):
     window, preferences = application.window, application.services.preferences
+
+    def refresh():
+        window.work.start.refresh()
+        qtbot.waitUntil(lambda: not application.services.jobs.running)
+
+    # one that is remembered is not opened to be shown
+    known = tmp_path / "a.leakline"
+    known.mkdir()
+    (known / "survey.db").write_bytes(b"no database at all")
+    window.work.start._cards.write(str(known), SurveyCard(name="A", candidates=23, decided=7))
+    preferences.remember_recent(known)
+    asked = []
+    with monkeypatch.context() as patch:
+        patch.setattr("app.start_control.peeked", asked.append)
+        refresh()
+    assert asked == []
+    assert [line[2] for line in lines(window).values()] == ["7 of 23 decided"]
+    # one that nobody remembers is asked from its database
     with make_folder(tmp_path) as folder:
         path = folder.path
     preferences.remember_recent(path)
-    window.work.start.refresh()
-    qtbot.waitUntil(lambda: not application.services.jobs.running)
+    refresh()
+    assert lines(window)[str(path)][0] == "Station Road  ·  4 May 2026"
+    assert lines(window)[str(path)][2] == "Not processed yet"
+    # pinned ones stand on top
+    assert list(shown(window)) == [str(path), str(known)]
+    QTest.mouseClick(shown(window)[str(known)].findChild(QToolButton, "recent_pin"), LEFT)
+    assert list(shown(window)) == [str(known), str(path)]
+    assert PreferencesStore(preferences.file).values.pinned == [str(known)]
+    QTest.mouseClick(shown(window)[str(known)].findChild(QToolButton, "recent_pin"), LEFT)
+    assert list(shown(window)) == [str(path), str(known)]
+    # a pulled stick is told, and its survey can be taken off the list
     shutil.rmtree(path)
-    window.work.start.refresh()
-    qtbot.waitUntil(lambda: not application.services.jobs.running)
+    refresh()
     row = shown(window)[str(path)]
     assert row.lines()[0].startswith("Station Road")  # what was known of it stays
     assert row.lines()[2].startswith("Not there now")
     QTest.mouseClick(row.findChild(QToolButton, "recent_remove"), LEFT)
-    assert shown(window) == {}
-    assert preferences.values.recent == []
-
-
-def test_pinned_surveys_stand_on_top_and_stay_when_others_push_them_out(application, tmp_path, qtbot):
-    window, preferences = application.window, application.services.preferences
-    for number in range(3):
-        preferences.remember_recent(tmp_path / f"{number}.leakline")
-    window.work.start.refresh()
-    qtbot.waitUntil(lambda: not application.services.jobs.running)
-    oldest = str(tmp_path / "0.leakline")
-    assert list(shown(window))[-1] == oldest
-    QTest.mouseClick(shown(window)[oldest].findChild(QToolButton, "recent_pin"), LEFT)
-    assert next(iter(shown(window))) == oldest
-    assert PreferencesStore(preferences.file).values.pinned == [oldest]
-    QTest.mouseClick(shown(window)[oldest].findChild(QToolButton, "recent_pin"), LEFT)
-    assert list(shown(window))[-1] == oldest
-
-
-def test_the_large_buttons_lead_to_manual_settings_and_correlator(application):
-    window = application.window
-    QTest.mouseClick(window.findChild(QPushButton, "start_correlator"), LEFT)
-    assert window.page == "correlator"
+    assert list(shown(window)) == [str(known)]
+    assert preferences.values.recent == [str(known)]
+    # the large buttons lead to settings and manual, and the start page is found again
+    QTest.mouseClick(window.findChild(QPushButton, "start_settings"), LEFT)
+    assert window.page == "settings"
     window.work.start.show()
     assert window.page == "start"
     QTest.mouseClick(window.findChild(QPushButton, "start_manual"), LEFT)
     assert window.help.shown.isVisible()
     window.help.shown.close()
+    qtbot.waitUntil(lambda: not application.services.jobs.running)
 
 
 # --- the list alone ---
