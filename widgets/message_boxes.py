@@ -36,6 +36,7 @@ class MessageBoxes:
 
     def ask(self, text: str, choices: Sequence[Choice]) -> str:
         """Ask; returns the key of the chosen button, the last one's for Escape and the closing cross."""
+        text = text.replace(messages.THEN, f"\n\n{messages.THEN.strip()} ")  # what to do stands by itself
         box = QMessageBox(QMessageBox.Icon.NoIcon, "Leakline", text, QMessageBox.StandardButton.NoButton, self._parent)
         buttons: dict[QPushButton, str] = {}
         for choice in choices:
