@@ -121,11 +121,11 @@
     </message>
     <message>
         <source>Compare</source>
-        <translation type="unfinished"></translation>
+        <translation>Karşılaştır</translation>
     </message>
     <message>
         <source>Compare runs</source>
-        <translation type="unfinished"></translation>
+        <translation>Ölçümleri karşılaştır</translation>
     </message>
     <message>
         <source>Compare with the selection</source>
@@ -185,7 +185,7 @@
     </message>
     <message>
         <source>Digs</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazılar</translation>
     </message>
     <message>
         <source>Do the change again that was taken back</source>
@@ -193,7 +193,7 @@
     </message>
     <message>
         <source>Enter what a dig showed beside what was stated, see all digs and what they say of the intervals; pressed again, go back</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazıda çıkanı bildirilen yerin yanına yazar; bütün kazıları ve aralıklar için ne söylediklerini gösterir; yeniden basınca geri döner</translation>
     </message>
     <message>
         <source>Everything needed for the verdicts</source>
@@ -233,7 +233,7 @@
     </message>
     <message>
         <source>Found at the dig</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazıda bulunan</translation>
     </message>
     <message>
         <source>Full screen</source>
@@ -545,7 +545,7 @@
     </message>
     <message>
         <source>Put another run of the same pipe beside this one in metres: new, gone, grown; A hears one and the other, G goes to the leak; pressed again, go back</source>
-        <translation type="unfinished"></translation>
+        <translation>Aynı hattın başka bir ölçümünü metre metre bunun yanına koyar: yeni, kaybolan, güçlenen; A birini ve ötekini dinletir, G kaçağa gider; yeniden basınca geri döner</translation>
     </message>
     <message>
         <source>Put out the light that says the sound was too loud</source>
@@ -1947,70 +1947,70 @@
     <name>DigControl</name>
     <message>
         <source>Damaged lines of the history that were left out: {count}</source>
-        <translation type="unfinished"></translation>
+        <translation>Geçmişte okunamadığı için atlanan satır: {count}</translation>
     </message>
     <message>
         <source>No digs are known yet. Each one that is entered here makes the statement better.</source>
-        <translation type="unfinished"></translation>
+        <translation>Henüz bilinen kazı yok. Buraya yazılan her kazı, doğruluk bildirimini iyileştirir.</translation>
     </message>
     <message>
         <source>Process the survey first: what a dig showed belongs to a leak.</source>
-        <translation type="unfinished"></translation>
+        <translation>Önce ölçümü işleyin: kazı sonucu bir kaçağa yazılır.</translation>
     </message>
     <message>
         <source>Saved: {what}</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaydedildi: {what}</translation>
     </message>
     <message>
         <source>Take in history of digs</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazı geçmişini al</translation>
     </message>
     <message>
         <source>Write history of digs</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazı geçmişini yaz</translation>
     </message>
     <message>
         <source>dig at {name}</source>
-        <translation type="unfinished"></translation>
+        <translation>{name} kazısı</translation>
     </message>
     <message>
         <source>intervals as computed</source>
-        <translation type="unfinished"></translation>
+        <translation>aralıklar hesaplandığı gibi</translation>
     </message>
     <message>
         <source>leak found elsewhere</source>
-        <translation type="unfinished"></translation>
+        <translation>başka yerde bulunan kaçak</translation>
     </message>
     <message>
         <source>wider intervals</source>
-        <translation type="unfinished"></translation>
+        <translation>daha geniş aralıklar</translation>
     </message>
 </context>
 <context>
     <name>DigForm</name>
     <message>
         <source>Add photo…</source>
-        <translation type="unfinished"></translation>
+        <translation>Fotoğraf ekle…</translation>
     </message>
     <message>
         <source>Beside the path ({unit})</source>
-        <translation type="unfinished"></translation>
+        <translation>Yolun yanında ({unit})</translation>
     </message>
     <message>
         <source>By chainage</source>
-        <translation type="unfinished"></translation>
+        <translation>Mesafeyle</translation>
     </message>
     <message>
         <source>By coordinates</source>
-        <translation type="unfinished"></translation>
+        <translation>Koordinatla</translation>
     </message>
     <message>
         <source>By tape</source>
-        <translation type="unfinished"></translation>
+        <translation>Şerit metreyle</translation>
     </message>
     <message>
         <source>Cause</source>
-        <translation type="unfinished"></translation>
+        <translation>Neden</translation>
     </message>
     <message>
         <source>Chainage ({unit})</source>
@@ -2018,23 +2018,23 @@
     </message>
     <message>
         <source>Coordinates</source>
-        <translation type="unfinished"></translation>
+        <translation>Koordinatlar</translation>
     </message>
     <message>
         <source>Day of the dig</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazı günü</translation>
     </message>
     <message>
         <source>Depth ({unit})</source>
-        <translation type="unfinished"></translation>
+        <translation>Derinlik ({unit})</translation>
     </message>
     <message>
         <source>Dug by</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazan ekip</translation>
     </message>
     <message>
         <source>Dug by the report of</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazıda kullanılan rapor</translation>
     </message>
     <message>
         <source>Flow ({unit})</source>
@@ -2042,7 +2042,7 @@
     </message>
     <message>
         <source>Found at</source>
-        <translation type="unfinished"></translation>
+        <translation>Bulunduğu yer</translation>
     </message>
     <message>
         <source>Leak</source>
@@ -2050,7 +2050,7 @@
     </message>
     <message>
         <source>Measured to ± ({unit})</source>
-        <translation type="unfinished"></translation>
+        <translation>Ölçüm payı ± ({unit})</translation>
     </message>
     <message>
         <source>Note</source>
@@ -2058,43 +2058,43 @@
     </message>
     <message>
         <source>Nothing</source>
-        <translation type="unfinished"></translation>
+        <translation>Hiçbir şey</translation>
     </message>
     <message>
         <source>Save correction</source>
-        <translation type="unfinished"></translation>
+        <translation>Düzeltmeyi kaydet</translation>
     </message>
     <message>
         <source>Save this dig</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazıyı kaydet</translation>
     </message>
     <message>
         <source>Something else</source>
-        <translation type="unfinished"></translation>
+        <translation>Başka bir şey</translation>
     </message>
     <message>
         <source>Take back</source>
-        <translation type="unfinished"></translation>
+        <translation>Geri al</translation>
     </message>
     <message>
         <source>as usual</source>
-        <translation type="unfinished"></translation>
+        <translation>her zamanki gibi</translation>
     </message>
     <message>
         <source>away from it ▶</source>
-        <translation type="unfinished"></translation>
+        <translation>ondan uzağa ▶</translation>
     </message>
     <message>
         <source>chainage</source>
-        <translation type="unfinished"></translation>
+        <translation>mesafe</translation>
     </message>
     <message>
         <source>distance</source>
-        <translation type="unfinished"></translation>
+        <translation>uzaklık</translation>
     </message>
     <message>
         <source>latitude longitude, or east north</source>
-        <translation type="unfinished"></translation>
+        <translation>enlem boylam ya da doğu kuzey</translation>
     </message>
     <message>
         <source>not measured</source>
@@ -2102,57 +2102,57 @@
     </message>
     <message>
         <source>{unit} from the stated place</source>
-        <translation type="unfinished"></translation>
+        <translation>{unit}, bildirilen yerden</translation>
     </message>
     <message>
         <source>◀ towards the launch</source>
-        <translation type="unfinished"></translation>
+        <translation>◀ başlangıca doğru</translation>
     </message>
 </context>
 <context>
     <name>DigLedger</name>
     <message>
         <source>; {damaged} damaged lines left out</source>
-        <translation type="unfinished"></translation>
+        <translation>; okunamayan {damaged} satır atlandı</translation>
     </message>
     <message>
         <source>History of digs</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazı geçmişi</translation>
     </message>
     <message>
         <source>Taking in the history of digs</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazı geçmişi alınıyor</translation>
     </message>
     <message>
         <source>Writing the history of digs</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazı geçmişi yazılıyor</translation>
     </message>
     <message>
         <source>{count} digs of other surveys taken in</source>
-        <translation type="unfinished"></translation>
+        <translation>Başka ölçümlerden {count} kazı alındı</translation>
     </message>
     <message>
         <source>{count} digs written to {file}</source>
-        <translation type="unfinished"></translation>
+        <translation>{count} kazı {file} dosyasına yazıldı</translation>
     </message>
 </context>
 <context>
     <name>DigList</name>
     <message>
         <source>Digs of this survey</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu ölçümün kazıları</translation>
     </message>
     <message>
         <source>Dug on</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazı günü</translation>
     </message>
     <message>
         <source>Found</source>
-        <translation type="unfinished"></translation>
+        <translation>Bulunan</translation>
     </message>
     <message>
         <source>Interval</source>
-        <translation type="unfinished"></translation>
+        <translation>Aralık</translation>
     </message>
     <message>
         <source>Leak</source>
@@ -2160,27 +2160,27 @@
     </message>
     <message>
         <source>Off by</source>
-        <translation type="unfinished"></translation>
+        <translation>Sapma</translation>
     </message>
     <message>
         <source>Stated</source>
-        <translation type="unfinished"></translation>
+        <translation>Bildirilen</translation>
     </message>
     <message>
         <source>inside</source>
-        <translation type="unfinished"></translation>
+        <translation>içinde</translation>
     </message>
     <message>
         <source>no leak</source>
-        <translation type="unfinished"></translation>
+        <translation>kaçak yok</translation>
     </message>
     <message>
         <source>not stated</source>
-        <translation type="unfinished"></translation>
+        <translation>bildirilmemiş</translation>
     </message>
     <message>
         <source>outside</source>
-        <translation type="unfinished"></translation>
+        <translation>dışında</translation>
     </message>
 </context>
 <context>
@@ -2191,82 +2191,82 @@
     </message>
     <message>
         <source>Digs</source>
-        <translation type="unfinished"></translation>
+        <translation>Kazılar</translation>
     </message>
     <message>
         <source>Leak found elsewhere…</source>
-        <translation type="unfinished"></translation>
+        <translation>Başka yerde bulunan kaçak…</translation>
     </message>
     <message>
         <source>Take in history…</source>
-        <translation type="unfinished"></translation>
+        <translation>Geçmiş al…</translation>
     </message>
     <message>
         <source>What all digs on this computer say</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu bilgisayardaki bütün kazılara göre</translation>
     </message>
     <message>
         <source>Write history…</source>
-        <translation type="unfinished"></translation>
+        <translation>Geçmişi yaz…</translation>
     </message>
 </context>
 <context>
     <name>DigWording</name>
     <message>
         <source>A leak that was found where none had been stated. Where was it?</source>
-        <translation type="unfinished"></translation>
+        <translation>Bildirilmemiş bir yerde bulunan kaçak. Neredeydi?</translation>
     </message>
     <message>
         <source>In which direction was it found? Press one of the two arrows.</source>
-        <translation type="unfinished"></translation>
+        <translation>Hangi yönde bulundu? İki oktan birine basın.</translation>
     </message>
     <message>
         <source>No place had been stated in metres: measure by tape, or leave the place empty.</source>
-        <translation type="unfinished"></translation>
+        <translation>Metre olarak bir yer bildirilmemişti: şerit metreyle ölçün ya da yeri boş bırakın.</translation>
     </message>
     <message>
         <source>State all intervals of this report {factor} times as wide</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu rapordaki bütün aralıkları {factor} kat geniş bildir</translation>
     </message>
     <message>
         <source>State the intervals as computed again (now {factor} times as wide)</source>
-        <translation type="unfinished"></translation>
+        <translation>Aralıkları yeniden hesaplandığı gibi bildir (şimdi {factor} kat geniş)</translation>
     </message>
     <message>
         <source>This survey has no path to put coordinates on: measure by tape.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu ölçümde koordinatın oturtulacağı yol yok: şerit metreyle ölçün.</translation>
     </message>
     <message>
         <source>Type the chainage or the coordinates of the leak.</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçağın mesafesini ya da koordinatlarını yazın.</translation>
     </message>
     <message>
         <source>What was found? Press Leak, Something else or Nothing.</source>
-        <translation type="unfinished"></translation>
+        <translation>Ne bulundu? Kaçak, Başka bir şey ya da Hiçbir şey düğmesine basın.</translation>
     </message>
     <message>
         <source>corrosion</source>
-        <translation type="unfinished"></translation>
+        <translation>korozyon</translation>
     </message>
     <message>
         <source>crack</source>
-        <translation type="unfinished"></translation>
+        <translation>çatlak</translation>
     </message>
     <message>
         <source>earlier repair</source>
-        <translation type="unfinished"></translation>
+        <translation>eski onarım</translation>
     </message>
     <message>
         <source>found at {place}</source>
-        <translation type="unfinished"></translation>
+        <translation>{place} mesafede bulundu</translation>
     </message>
     <message>
         <source>hole</source>
-        <translation type="unfinished"></translation>
+        <translation>delik</translation>
     </message>
     <message>
         <source>joint</source>
-        <translation type="unfinished"></translation>
+        <translation>boru eki</translation>
     </message>
     <message>
         <source>leak</source>
@@ -2274,39 +2274,39 @@
     </message>
     <message>
         <source>no leak where one was stated</source>
-        <translation type="unfinished"></translation>
+        <translation>bildirilen yerde kaçak yok</translation>
     </message>
     <message>
         <source>not measured: it counts as found, not as an error</source>
-        <translation type="unfinished"></translation>
+        <translation>yeri ölçülmedi: bulundu sayılır, sapma hesabına girmez</translation>
     </message>
     <message>
         <source>not stated before: it is marked by hand, confirmed</source>
-        <translation type="unfinished"></translation>
+        <translation>önceden bildirilmemiş: elle işaretlendi ve onaylandı</translation>
     </message>
     <message>
         <source>nothing</source>
-        <translation type="unfinished"></translation>
+        <translation>hiçbir şey</translation>
     </message>
     <message>
         <source>outside the stated interval</source>
-        <translation type="unfinished"></translation>
+        <translation>bildirilen aralığın dışında</translation>
     </message>
     <message>
         <source>run {run}, {day}: {place}</source>
-        <translation type="unfinished"></translation>
+        <translation>{run}. işleme, {day}: {place}</translation>
     </message>
     <message>
         <source>service connection</source>
-        <translation type="unfinished"></translation>
+        <translation>abone bağlantısı</translation>
     </message>
     <message>
         <source>something else</source>
-        <translation type="unfinished"></translation>
+        <translation>başka bir şey</translation>
     </message>
     <message>
         <source>the stated interval holds it</source>
-        <translation type="unfinished"></translation>
+        <translation>bildirilen aralığın içinde</translation>
     </message>
     <message>
         <source>valve</source>
@@ -2314,27 +2314,27 @@
     </message>
     <message>
         <source>{length} away from launch ▶</source>
-        <translation type="unfinished"></translation>
+        <translation>{length} başlangıçtan uzağa ▶</translation>
     </message>
     <message>
         <source>{length} beside the path</source>
-        <translation type="unfinished"></translation>
+        <translation>yolun {length} yanında</translation>
     </message>
     <message>
         <source>{name}, stated at {place}</source>
-        <translation type="unfinished"></translation>
+        <translation>{name}, bildirilen yer {place}</translation>
     </message>
     <message>
         <source>{name}: a leak that had not been stated</source>
-        <translation type="unfinished"></translation>
+        <translation>{name}: bildirilmemiş bir kaçak</translation>
     </message>
     <message>
         <source>{name}: the present run has no such place any more</source>
-        <translation type="unfinished"></translation>
+        <translation>{name}: bugünkü işlemede böyle bir yer yok</translation>
     </message>
     <message>
         <source>◀ {length} towards launch</source>
-        <translation type="unfinished"></translation>
+        <translation>◀ {length} başlangıca doğru</translation>
     </message>
 </context>
 <context>
@@ -3538,6 +3538,10 @@
 <context>
     <name>PagePictures</name>
     <message>
+        <source>Larger</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Next ▶</source>
         <translation type="unfinished"></translation>
     </message>
@@ -3547,6 +3551,10 @@
     </message>
     <message>
         <source>Pages of the report</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Whole page</source>
         <translation type="unfinished"></translation>
     </message>
     <message>
@@ -4587,31 +4595,31 @@ bir daha</translation>
     <name>RepeatControl</name>
     <message>
         <source>Another run of this pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu hattın başka bir ölçümü</translation>
     </message>
     <message>
         <source>Choose another run of this pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu hattın başka bir ölçümünü seçin</translation>
     </message>
     <message>
         <source>Choose another run of this pipe: a recent survey, or its folder.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu hattın başka bir ölçümünü seçin: son kullanılanlardan birini ya da klasörünü.</translation>
     </message>
     <message>
         <source>Comparing two runs</source>
-        <translation type="unfinished"></translation>
+        <translation>İki ölçüm karşılaştırılıyor</translation>
     </message>
     <message>
         <source>Comparing …</source>
-        <translation type="unfinished"></translation>
+        <translation>Karşılaştırılıyor …</translation>
     </message>
     <message>
         <source>Open and process a survey first, then compare it with another run of its pipe.</source>
-        <translation type="unfinished"></translation>
+        <translation>Önce bir ölçüm açıp işleyin, sonra aynı hattın başka bir ölçümüyle karşılaştırın.</translation>
     </message>
     <message>
         <source>Write the changes</source>
-        <translation type="unfinished"></translation>
+        <translation>Değişiklikleri yaz</translation>
     </message>
     <message>
         <source>Written to {folder}</source>
@@ -4626,31 +4634,31 @@ bir daha</translation>
     </message>
     <message>
         <source>Change</source>
-        <translation type="unfinished"></translation>
+        <translation>Değişiklik</translation>
     </message>
     <message>
         <source>Choose another run of this pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu hattın başka bir ölçümünü seçin</translation>
     </message>
     <message>
         <source>Choose folder…</source>
-        <translation type="unfinished"></translation>
+        <translation>Klasör seç…</translation>
     </message>
     <message>
         <source>Compare with</source>
-        <translation type="unfinished"></translation>
+        <translation>Karşılaştırılacak ölçüm</translation>
     </message>
     <message>
         <source>Go to the leak</source>
-        <translation type="unfinished"></translation>
+        <translation>Kaçağa git</translation>
     </message>
     <message>
         <source>Growth</source>
-        <translation type="unfinished"></translation>
+        <translation>Artış</translation>
     </message>
     <message>
         <source>Hear {name}</source>
-        <translation type="unfinished"></translation>
+        <translation>Dinle: {name}</translation>
     </message>
     <message>
         <source>Leak</source>
@@ -4658,15 +4666,15 @@ bir daha</translation>
     </message>
     <message>
         <source>Open that survey</source>
-        <translation type="unfinished"></translation>
+        <translation>O ölçümü aç</translation>
     </message>
     <message>
         <source>Opposite way</source>
-        <translation type="unfinished"></translation>
+        <translation>Ters yön</translation>
     </message>
     <message>
         <source>Other run</source>
-        <translation type="unfinished"></translation>
+        <translation>Öteki ölçüm</translation>
     </message>
     <message>
         <source>Place</source>
@@ -4674,38 +4682,38 @@ bir daha</translation>
     </message>
     <message>
         <source>Places of both runs</source>
-        <translation type="unfinished"></translation>
+        <translation>İki ölçümdeki yerler</translation>
     </message>
     <message>
         <source>The other run</source>
-        <translation type="unfinished"></translation>
+        <translation>Öteki ölçüm</translation>
     </message>
     <message>
         <source>The other run went through the pipe the other way round</source>
-        <translation type="unfinished"></translation>
+        <translation>Öteki ölçüm hattı ters yönde geçmiş</translation>
     </message>
     <message>
         <source>This run</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu ölçüm</translation>
     </message>
     <message>
         <source>Write table…</source>
-        <translation type="unfinished"></translation>
+        <translation>Tabloyu yaz…</translation>
     </message>
 </context>
 <context>
     <name>RepeatView</name>
     <message>
         <source>Both runs along the pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Hat boyunca iki ölçüm</translation>
     </message>
     <message>
         <source>feet of this survey</source>
-        <translation type="unfinished"></translation>
+        <translation>bu ölçümün fit'i</translation>
     </message>
     <message>
         <source>metres of this survey</source>
-        <translation type="unfinished"></translation>
+        <translation>bu ölçümün metresi</translation>
     </message>
 </context>
 <context>
