@@ -5,17 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from answering import AnsweringBoxes, CountingSink
-from PySide6.QtCore import QEvent, QPoint, Qt
+from kept_window import kept_fixture, window_fixture
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
-from small_survey import SPEED_MPS, make_folder, make_results
+from small_survey import SPEED_MPS, candidate
 
-from app.jobs import Jobs
-from app.main_window import MainWindow
-from app.services import Services
 from app.settings import PreferencesStore
-from app.survey_session import SurveySession
 from processing.survey import Verdict
 from widgets.candidate_row import CandidateFilter
 from widgets.gallery_cells import WIDTHS, CellShape
@@ -52,8 +48,6 @@ def candidate_at(small_candidate, chainage_m, time_s):
 
 @pytest.fixture
 def one():
-    from small_survey import candidate
-
     return candidate(1, 40.0, 0.9)
 
 
@@ -116,30 +110,13 @@ def test_the_parts_of_a_cell_do_not_overlap(qapp, width):
 # --- in the window
 
 
-@pytest.fixture
-def services(qapp, tmp_path):
-    preferences = PreferencesStore(tmp_path / "preferences.json")
-    services = Services(SurveySession(), Jobs(), preferences, None, lambda _rate: CountingSink(), lambda: None)
-    services.session.open(make_folder(tmp_path))
-    services.session.set_results(make_results(services.session.folder, tuple(np.linspace(10.0, 90.0, 12))))
-    yield services
-    services.jobs.stop_all()
-    services.session.close()
+kept = kept_fixture(tuple(np.linspace(10.0, 90.0, 12)))
+window = window_fixture()
 
 
 @pytest.fixture
-def window(qtbot, services):
-    window = MainWindow(services, "en")
-    window.boxes = AnsweringBoxes()
-    window.resize(1100, 700)
-    window.show_page("leaks")
-    window.show()
-    qtbot.waitUntil(lambda: not services.jobs.running)
-    window.review_page.focus_views()
-    yield window
-    window.close()
-    window.deleteLater()
-    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+def services(kept, window):
+    return kept.services
 
 
 @pytest.fixture

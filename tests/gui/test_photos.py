@@ -3,20 +3,15 @@
 from dataclasses import replace
 
 import pytest
-from answering import AnsweringBoxes, CountingSink
+from kept_window import kept_fixture, window_fixture
 from PIL import Image
-from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QGuiApplication, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLabel, QLineEdit, QPushButton
-from small_survey import make_folder, make_results
+from small_survey import make_results
 
-from app.jobs import Jobs
-from app.main_window import MainWindow
 from app.photo_control import picture_paths
-from app.services import Services
-from app.settings import PreferencesStore
-from app.survey_session import SurveySession
 from processing.errors import ErrorCode
 from processing.storage.folder import SurveyFolder
 from processing.survey import Launch
@@ -26,29 +21,13 @@ KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
 LEFT = Qt.MouseButton.LeftButton
 
 
-@pytest.fixture
-def services(qapp, tmp_path):
-    preferences = PreferencesStore(tmp_path / "preferences.json")
-    services = Services(SurveySession(), Jobs(), preferences, None, lambda _rate: CountingSink(), lambda: None)
-    services.session.open(make_folder(tmp_path))
-    services.session.set_results(make_results(services.session.folder))
-    yield services
-    services.jobs.stop_all()
-    services.session.close()
+kept = kept_fixture()
+window = window_fixture()
 
 
 @pytest.fixture
-def window(qtbot, services):
-    window = MainWindow(services, "en")
-    window.boxes = AnsweringBoxes()
-    window.show_page("leaks")
-    window.show()
-    qtbot.waitUntil(lambda: not services.jobs.running)
-    window.review_page.focus_views()
-    yield window
-    window.close()
-    window.deleteLater()
-    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+def services(kept, window):
+    return kept.services
 
 
 @pytest.fixture
@@ -130,7 +109,7 @@ def test_a_caption_that_is_being_typed_is_kept_when_the_window_closes(window, se
     field = window.work.photos.panel.findChild(QLineEdit, "photo_caption")
     field.setFocus()
     QTest.keyClicks(field, "half a")
-    window.close()
+    window.work.photos.stop()  # what closing the window does
     assert on_disc(session)[0][1] == "half a"
 
 

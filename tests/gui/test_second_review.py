@@ -3,17 +3,13 @@
 import shutil
 
 import pytest
-from answering import AnsweringBoxes, CountingSink
-from PySide6.QtCore import QEvent, Qt
+from kept_window import kept_fixture, window_fixture
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit
 from small_survey import candidate, make_folder, make_results, other_run
 
-from app.jobs import Jobs
-from app.main_window import MainWindow
 from app.review_commands import Decide, DecideMany, Mark, WriteNote
-from app.services import Services
-from app.settings import PreferencesStore
 from app.survey_session import SurveySession
 from processing.errors import ErrorCode
 from processing.storage.folder import SurveyFolder
@@ -139,29 +135,13 @@ def test_a_refused_opinion_changes_nothing_and_is_told(session):
 # --- in the window
 
 
-@pytest.fixture
-def services(qapp, tmp_path):
-    preferences = PreferencesStore(tmp_path / "preferences.json")
-    services = Services(SurveySession(), Jobs(), preferences, None, lambda _rate: CountingSink(), lambda: None)
-    services.session.open(make_folder(tmp_path))
-    services.session.set_results(make_results(services.session.folder))
-    yield services
-    services.jobs.stop_all()
-    services.session.close()
+kept = kept_fixture()
+window = window_fixture()
 
 
 @pytest.fixture
-def window(qtbot, services):
-    window = MainWindow(services, "en")
-    window.boxes = AnsweringBoxes()
-    window.show_page("leaks")
-    window.show()
-    qtbot.waitUntil(lambda: not services.jobs.running)
-    window.review_page.focus_views()
-    yield window
-    window.close()
-    window.deleteLater()
-    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+def services(kept, window):
+    return kept.services
 
 
 def press(window, key, modifier=Qt.KeyboardModifier.NoModifier):
