@@ -58,7 +58,7 @@ def palette(theme: Theme) -> QPalette:
         (role.BrightText, QColor(theme.cursor)),
         (role.ToolTipBase, QColor(theme.canvas)),
         (role.ToolTipText, text),
-        (role.PlaceholderText, faint),
+        (role.PlaceholderText, mixed(theme.text, theme.background, 0.75 if theme.name == "sun" else 0.7)),
         (role.Highlight, QColor(theme.accent)),
         (role.HighlightedText, QColor(theme.canvas)),
         (role.Link, QColor(theme.accent)),
