@@ -15,6 +15,7 @@ from app.readiness_facts import newest_export_day
 from app.settings import PreferencesStore
 from app.survey_cards import CardStore, SurveyCard, card_of, peeked
 from app.survey_session import SurveySession
+from processing import messages
 from processing.progress import Progress
 from widgets.recent_surveys import Presence, RecentRow
 from widgets.units import quantities
@@ -144,7 +145,8 @@ class StartControl(QObject):
 
 def row_of(path: str, card: SurveyCard) -> RecentRow:
     """Return the line of a card, with the pipe in words."""
-    pipe = [card.material.replace("_", " ")]
+    known = messages.table("materials", quantities().language)
+    pipe = [known.get(card.material.lower().replace(" ", "_"), card.material)]
     if card.diameter_m is not None:
         pipe.append(quantities().small_length(card.diameter_m))
     return RecentRow(

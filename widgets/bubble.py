@@ -2,7 +2,7 @@
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QFrame, QWidget
+from PySide6.QtWidgets import QFrame, QMainWindow, QWidget
 
 GAP = 10  # pixels between the widget and the bubble
 EDGE = 6  # pixels that stay free at the window's edge
@@ -49,7 +49,7 @@ class Bubble(QFrame):
     def place(self) -> None:
         """Move beside the anchor: right of it, else left, else below, else above; always whole inside of the window."""
         window = self._host
-        room = window.rect().adjusted(EDGE, EDGE, -EDGE, -EDGE)
+        room = self.room()
         size = self.wanted_size(room.size())
         anchor = self._anchor
         if anchor is None or not anchor.isVisible():
@@ -59,6 +59,13 @@ class Bubble(QFrame):
             return
         target = QRect(anchor.mapTo(window, QPoint()), anchor.size())
         self.setGeometry(place_beside(target, size, room))
+
+    def room(self) -> QRect:
+        """Return where in the window the bubble may stand: not over its menus."""
+        room = self._host.rect().adjusted(EDGE, EDGE, -EDGE, -EDGE)
+        if isinstance(self._host, QMainWindow):
+            room.setTop(self._host.menuBar().height() + EDGE)
+        return room
 
     def wanted_size(self, most: QSize) -> QSize:
         """Return the size that the content asks for, at most ``most``."""

@@ -26,6 +26,7 @@ from widgets.units import quantities
 MANY = 5  # rows: with more of them there is a field to search in
 OUTLINE = QSize(84, 62)
 BUTTON = 44
+BETWEEN = "\N{NO-BREAK SPACE}\N{MIDDLE DOT}  "  # a line does not begin with the dot
 
 
 class Presence(StrEnum):
@@ -169,11 +170,11 @@ class RecentSurveyRow(QFrame):
     def lines(self) -> tuple[str, str, str]:
         """Return the three lines: name and day; whose pipe; how far the review is, or why it cannot be opened."""
         row, write = self.row, quantities()
-        name = f"{row.name}  ·  {write.day(row.date)}" if row.date else row.name
+        name = f"{row.name}{BETWEEN}{write.day(row.date)}" if row.date else row.name
         facts = [row.client, row.pipe, "" if row.length_m is None else write.length(row.length_m, 0)]
         if row.simulated:
             facts.insert(0, self.tr("Demonstration"))
-        where = "  ·  ".join(fact for fact in facts if fact) or row.folder
+        where = BETWEEN.join(fact for fact in facts if fact) or row.folder
         return name, where, self._state()
 
     def _state(self) -> str:
@@ -188,7 +189,7 @@ class RecentSurveyRow(QFrame):
             parts.append(self.tr("{count} confirmed").format(count=row.confirmed))
         if row.exported:
             parts.append(self.tr("exported on {day}").format(day=quantities().day(row.exported)))
-        return "  ·  ".join(parts)
+        return BETWEEN.join(parts)
 
 
 class RecentSurveys(QWidget):

@@ -16,7 +16,7 @@ from app.application import Application
 from app.settings import PreferencesStore
 from app.survey_cards import OUTLINE_POINTS, CardStore, SurveyCard, outline
 from widgets.folding import folded, has_all_words
-from widgets.recent_surveys import MANY, Presence, RecentRow, RecentSurveys
+from widgets.recent_surveys import BETWEEN, MANY, Presence, RecentRow, RecentSurveys
 
 LEFT = Qt.MouseButton.LeftButton
 
@@ -64,8 +64,8 @@ def test_a_closed_survey_is_listed_with_its_review_and_its_path(application, tmp
     qtbot.waitUntil(lambda: not application.services.jobs.running)
     assert window.page == "start"
     name, _where, state = lines(window)[path]
-    assert name == "Station Road  ·  4 May 2026"
-    assert state == "2 of 4 decided  ·  1 confirmed"
+    assert name == f"Station Road{BETWEEN}4 May 2026"
+    assert state == f"2 of 4 decided{BETWEEN}1 confirmed"
     row = shown(window)[path].row
     assert row.length_m == pytest.approx(100.0)
     assert row.presence is Presence.THERE
@@ -96,7 +96,7 @@ def test_the_list_knows_remembered_unknown_pinned_and_missing_surveys(applicatio
         path = folder.path
     preferences.remember_recent(path)
     refresh()
-    assert lines(window)[str(path)][0] == "Station Road  ·  4 May 2026"
+    assert lines(window)[str(path)][0] == f"Station Road{BETWEEN}4 May 2026"
     assert lines(window)[str(path)][2] == "Not processed yet"
     # pinned ones stand on top
     assert list(shown(window)) == [str(path), str(known)]
