@@ -22,6 +22,7 @@ def report_options(preferences: Preferences, language: str) -> ReportOptions:
         units=_units(preferences),
         places=_places(preferences),
         company=company(preferences),
+        crs=preferences.handover.get("crs", ""),
     )
 
 

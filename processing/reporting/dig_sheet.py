@@ -99,7 +99,10 @@ def facts(row: LeakRow, content: ReportContent, words: Words) -> list[list[str]]
     scored = np.isfinite(c.score)
     pairs = [
         [words("col_class"), words(f"class_{row.leak_class.value}")],
-        [words("size"), size_sentence(row.size, words.language) if row.size is not None else ""],
+        [
+            words("size"),
+            size_sentence(row.size, words.language, words.quantities.units) if row.size is not None else "",
+        ],
         [words("col_level"), level if np.isfinite(c.level_db) else ""],
         [words("col_score"), words("probability_value", percent=words.share(c.score)) if scored else words("marked")],
         [words("made_of"), interval_parts(row, content, words)],

@@ -46,6 +46,8 @@ def write_exports(
     options = options or ReportOptions()
     if language is not None:
         options = replace(options, language=language)
+    if handover is not None and not options.crs:
+        options = replace(options, crs=handover.crs)
     content = make_content(results, decisions, record, options)
     if handover is not None:
         target_system(content.frame, handover)  # a wrong code is told before an hour's work, not after it

@@ -1,17 +1,20 @@
 """The report's tables in words: leaks, tie points, what was not assessed, and the checks before the launch."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from processing import messages
-from processing.coordinates import is_local
+from processing.coordinates import LocalFrame
 from processing.live.check_sheet import CheckSheet
 from processing.live.check_words import item_sentence, item_title, light_word
 from processing.position.distance import NORMAL_95
 from processing.position.tie_checks import TieCheck
 from processing.reporting.content import LeakRow, ReportContent, UnassessedStretch
+from processing.reporting.handover.system import TargetSystem, target_system
 from processing.reporting.marks import VERDICT_COLOURS
+from processing.reporting.options import HandoverOptions
 from processing.reporting.words import Words
 from processing.sound.size_words import size_name
 from processing.survey import Verdict
@@ -29,7 +32,7 @@ def tie_row(check: TieCheck, words: Words) -> list[str]:
         return f"{text} {q.length_unit}"
 
     return [
-        words.shortened(check.name, 60) or words("tie_length"),
+        words.name(check.name, 60) or words("tie_length"),
         words(f"tie_{check.kind}"),
         words.seconds(check.time_s),
         off(check.residual_m),
@@ -70,22 +73,30 @@ def status(row: LeakRow, words: Words) -> str:
 
 
 def coordinate_lines(row: LeakRow, content: ReportContent, words: Words) -> list[str]:
-    """Return the place in WGS 84, in the survey's CRS, and from the launch, as far as they are known.
+    """Return the place in WGS 84, in the chosen coordinate system, and from the launch, as far as they are known.
 
-    Degrees have a point in every language: they are typed into phones and maps.
+    Degrees and grid coordinates have a point in every language: they are typed into phones and maps.
     """
     if not np.all(np.isfinite(row.candidate.position_w_m)):
         return [words("unknown")]
     q, lines = words.quantities, []
     if row.latitude is not None and row.longitude is not None:
         lines.append(words("wgs84", latitude=f"{row.latitude:.6f}", longitude=f"{row.longitude:.6f}"))
-    if not is_local(content.frame.grid):
-        east, north, _ = content.grid_place(row.candidate.position_w_m)
-        # a map's grid is in the system's own metres, whatever lengths are told in
-        lines.append(words("grid", crs=content.frame.grid, east=f"{east:.2f}", north=f"{north:.2f}"))
+    system = chosen_system(content.frame, content.options.crs)
+    if not system.is_local and not system.is_degrees:
+        x, y, _ = system.coordinates(np.array([row.candidate.position_w_m]))[0]
+        if np.isfinite([x, y]).all():  # far outside of its area a system has no coordinates
+            unit = "US ft" if system.unit == "ftus" else system.unit
+            lines.append(words("grid", crs=system.crs, east=f"{x:.2f}", north=f"{y:.2f}", unit=unit))
     east, north, _ = (value * q.length_factor for value in row.candidate.position_w_m)
     lines.append(words("local", east=words.signed(east, 1), north=words.signed(north, 1), unit=q.length_unit))
     return lines
+
+
+@lru_cache(maxsize=4)
+def chosen_system(frame: LocalFrame, crs: str) -> TargetSystem:
+    """Return the system that coordinates are told in; found once, as all leaks are told in the same."""
+    return target_system(frame, HandoverOptions(crs=crs))
 
 
 def unassessed_rows(content: ReportContent, words: Words) -> list[list[str]]:

@@ -27,6 +27,7 @@ class ReportOptions:
     units: Units = Units.METRIC
     places: Places = Places.CHAINAGE
     company: Company = field(default_factory=Company)
+    crs: str = ""  # coordinates are told in, besides WGS 84; empty: the survey's own, else its UTM zone
 
 
 class ColumnScheme(StrEnum):

@@ -1,10 +1,12 @@
 """The report as a reader meets it: text taken out of the finished PDF, its pages, its fonts, its tags."""
 
+import re
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
 import pypdf
+import pyproj
 import pytest
 from PIL import Image
 
@@ -172,6 +174,19 @@ def test_feet_and_stations_stand_everywhere(results, tmp_path):
     assert f"valve 12 {12.0 / METRES_PER_FOOT:.1f} ft" in page
     assert "300 mm" not in page
     assert "11.8 in" in page
+
+
+def test_coordinates_stand_in_the_chosen_system_too(results, tmp_path):
+    survey = replace(results.survey, launch=Launch(latitude=40.70, longitude=-73.95, elevation_m=31.0))
+    there = replace(results, survey=survey)
+    for crs, unit in (("EPSG:2263", "US ft"), ("", "m")):
+        report = written(tmp_path / "r.pdf", there, DECIDED, None, ReportOptions(crs=crs))
+        code = crs or "EPSG:32618"  # nobody chose: the UTM zone of New York
+        degrees = re.search(r"WGS 84: ([\d.]+), (-[\d.]+)", report.sheet("Leak 1")).groups()
+        to_grid = pyproj.Transformer.from_crs("EPSG:4326", code, always_xy=True)
+        x, y = to_grid.transform(float(degrees[1]), float(degrees[0]))
+        told = re.search(rf"{code}: east ([\d.]+) {unit}, north ([\d.]+) {unit}", report.sheet("Leak 1")).groups()
+        assert [float(value) for value in told] == pytest.approx([x, y], abs=0.4)  # the degrees have six digits
 
 
 def test_the_file_is_tagged_archivable_and_carries_its_fonts_in_parts(report):
