@@ -84,6 +84,10 @@
         <translation>Spektrogramın renklerini değiştirir</translation>
     </message>
     <message>
+        <source>Choose a note that was written in this survey already</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Choose class and least score of the candidates that the list shows</source>
         <translation>Listede gösterilecek adayların sınıfını ve en düşük puanını seç</translation>
     </message>
@@ -464,6 +468,10 @@
         <translation>Not</translation>
     </message>
     <message>
+        <source>Note used before</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>Open</source>
         <translation>Aç</translation>
     </message>
@@ -628,6 +636,10 @@
         <translation>İkinci inceleme (kör)</translation>
     </message>
     <message>
+        <source>See the report's pages</source>
+        <translation>Raporun sayfalarını gör</translation>
+    </message>
+    <message>
         <source>Select by dragging</source>
         <translation>Sürükleyerek seç</translation>
     </message>
@@ -658,6 +670,10 @@
     <message>
         <source>Show all candidates, or only the undecided, unsure, confirmed or rejected ones</source>
         <translation>Bütün adayları ya da yalnızca karar bekleyen, kararsız, onaylanan veya reddedilenleri göster</translation>
+    </message>
+    <message>
+        <source>Show each page of the report as it will be, before anything is written</source>
+        <translation>Bir şey yazılmadan önce raporun her sayfasını olacağı gibi gösterir</translation>
     </message>
     <message>
         <source>Show half of it, around the cursor (wheel, or two fingers; with Ctrl up and down only)</source>
@@ -808,8 +824,8 @@
         <translation>Not yazın; yazdıkça kaydedilir. Enter bitirir</translation>
     </message>
     <message>
-        <source>Write the PDF, the CSV tables and the GIS file</source>
-        <translation>PDF raporu, CSV tablolarını ve harita dosyasını yazar</translation>
+        <source>Write the PDF, the tables and the map files that are chosen on the report page</source>
+        <translation>PDF'i, tabloları ve rapor sayfasında seçilen harita dosyalarını yazar</translation>
     </message>
     <message>
         <source>Write the log and version numbers into a zip file for support; no survey data</source>
@@ -1751,6 +1767,10 @@
     <message>
         <source>Note (Enter)</source>
         <translation>Not (Enter)</translation>
+    </message>
+    <message>
+        <source>Notes used in this survey (Shift+Enter)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Reject</source>
@@ -2767,75 +2787,75 @@
     </message>
     <message>
         <source>All of it also as one zip file</source>
-        <translation type="unfinished"></translation>
+        <translation>Hepsini tek zip dosyası olarak da</translation>
     </message>
     <message>
         <source>Coordinate system of the map files</source>
-        <translation type="unfinished"></translation>
+        <translation>Harita dosyalarının koordinat sistemi</translation>
     </message>
     <message>
         <source>DXF (drawing)</source>
-        <translation type="unfinished"></translation>
+        <translation>DXF (çizim)</translation>
     </message>
     <message>
         <source>Excel tables</source>
-        <translation type="unfinished"></translation>
+        <translation>Excel tabloları</translation>
     </message>
     <message>
         <source>Files for others</source>
-        <translation type="unfinished"></translation>
+        <translation>Başkaları için dosyalar</translation>
     </message>
     <message>
         <source>GPX (GPS receivers)</source>
-        <translation type="unfinished"></translation>
+        <translation>GPX (GPS alıcısı)</translation>
     </message>
     <message>
         <source>GeoPackage (QGIS)</source>
-        <translation type="unfinished"></translation>
+        <translation>GeoPackage (QGIS)</translation>
     </message>
     <message>
         <source>KML (Google Earth)</source>
-        <translation type="unfinished"></translation>
+        <translation>KML (Google Earth)</translation>
     </message>
     <message>
         <source>Leakline's, with their unit</source>
-        <translation type="unfinished"></translation>
+        <translation>Leakline'ın adları, birimiyle</translation>
     </message>
     <message>
         <source>Lengths in tables</source>
-        <translation type="unfinished"></translation>
+        <translation>Tablolarda uzunluk</translation>
     </message>
     <message>
         <source>Log of decisions</source>
-        <translation type="unfinished"></translation>
+        <translation>Karar günlüğü</translation>
     </message>
     <message>
         <source>Names of columns</source>
-        <translation type="unfinished"></translation>
+        <translation>Sütun adları</translation>
     </message>
     <message>
         <source>None</source>
-        <translation type="unfinished"></translation>
+        <translation>Hiçbiri</translation>
     </message>
     <message>
         <source>Number of the pipe</source>
-        <translation type="unfinished"></translation>
+        <translation>Boru numarası</translation>
     </message>
     <message>
         <source>Raven (sound)</source>
-        <translation type="unfinished"></translation>
+        <translation>Raven (ses)</translation>
     </message>
     <message>
         <source>Shapefile (GIS)</source>
-        <translation type="unfinished"></translation>
+        <translation>Shapefile (CBS)</translation>
     </message>
     <message>
         <source>Tables and map files</source>
-        <translation type="unfinished"></translation>
+        <translation>Tablolar ve harita dosyaları</translation>
     </message>
     <message>
         <source>The launch has no known place: map files are in local metres, KML and GPX are left out.</source>
-        <translation type="unfinished"></translation>
+        <translation>Bırakma noktasının yeri bilinmiyor: harita dosyaları yerel metredir, KML ve GPX yazılmaz.</translation>
     </message>
     <message>
         <source>US survey feet</source>
@@ -2843,11 +2863,11 @@
     </message>
     <message>
         <source>as the asset system has it</source>
-        <translation type="unfinished"></translation>
+        <translation>varlık sisteminde yazdığı gibi</translation>
     </message>
     <message>
         <source>for asset systems: pipe_id, leak_distance, x, y</source>
-        <translation type="unfinished"></translation>
+        <translation>varlık sistemleri için: pipe_id, leak_distance, x, y</translation>
     </message>
     <message>
         <source>metres</source>
@@ -2855,7 +2875,7 @@
     </message>
     <message>
         <source>{crs} (as proposed)</source>
-        <translation type="unfinished"></translation>
+        <translation>{crs} (önerilen)</translation>
     </message>
 </context>
 <context>
@@ -3112,14 +3132,6 @@
         <translation>{all} adayın hepsi tamam: rapora git (Ctrl+5)</translation>
     </message>
     <message>
-        <source>By place</source>
-        <translation>Yere göre</translation>
-    </message>
-    <message>
-        <source>By score</source>
-        <translation>Puana göre</translation>
-    </message>
-    <message>
         <source>Clear filter</source>
         <translation>Süzgeci kaldır</translation>
     </message>
@@ -3128,16 +3140,12 @@
         <translation>Süzgeci kaldır: bütün adayları göster</translation>
     </message>
     <message>
-        <source>Filter by class and score; listen to each candidate on arrival (Shift+N)</source>
-        <translation>Sınıfa ve puana göre süz; her adayı gelince dinle (Shift+N)</translation>
-    </message>
-    <message>
         <source>More…</source>
         <translation>Diğer…</translation>
     </message>
     <message>
-        <source>Order of the list</source>
-        <translation>Listenin sırası</translation>
+        <source>Order, filter by class and score, listening on arrival (Shift+N)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Undecided and hidden by the filter: {count}</source>
@@ -3539,27 +3547,27 @@
     <name>PagePictures</name>
     <message>
         <source>Larger</source>
-        <translation type="unfinished"></translation>
+        <translation>Büyüt</translation>
     </message>
     <message>
         <source>Next ▶</source>
-        <translation type="unfinished"></translation>
+        <translation>Sonraki ▶</translation>
     </message>
     <message>
         <source>Page {page} of {count}</source>
-        <translation type="unfinished"></translation>
+        <translation>Sayfa {page} / {count}</translation>
     </message>
     <message>
         <source>Pages of the report</source>
-        <translation type="unfinished"></translation>
+        <translation>Raporun sayfaları</translation>
     </message>
     <message>
         <source>Whole page</source>
-        <translation type="unfinished"></translation>
+        <translation>Tüm sayfa</translation>
     </message>
     <message>
         <source>◀ Back</source>
-        <translation type="unfinished"></translation>
+        <translation>◀ Önceki</translation>
     </message>
 </context>
 <context>
@@ -3733,7 +3741,7 @@
     </message>
     <message>
         <source>Remove photo</source>
-        <translation type="unfinished"></translation>
+        <translation>Fotoğrafı kaldır</translation>
     </message>
     <message>
         <source>Show large</source>
@@ -4736,7 +4744,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Pages of the report</source>
-        <translation type="unfinished"></translation>
+        <translation>Raporun sayfaları</translation>
     </message>
     <message>
         <source>Written to {folder}</source>
@@ -4751,7 +4759,7 @@ bir daha</translation>
     <name>ReportPanel</name>
     <message>
         <source>Back to the list</source>
-        <translation type="unfinished"></translation>
+        <translation>Listeye dön</translation>
     </message>
     <message>
         <source>Cancel</source>
@@ -4759,7 +4767,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Draft: places undecided or unsure: {count}. Each page of the report says so.</source>
-        <translation type="unfinished"></translation>
+        <translation>Taslak: karar verilmemiş ya da kararsız kalınan yer: {count}. Raporun her sayfasında bu yazar.</translation>
     </message>
     <message>
         <source>Export report and files</source>
@@ -4771,7 +4779,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Go to the next undecided</source>
-        <translation type="unfinished"></translation>
+        <translation>Sonraki kararsıza git</translation>
     </message>
     <message>
         <source>Language of the report</source>
@@ -4783,15 +4791,15 @@ bir daha</translation>
     </message>
     <message>
         <source>Open report</source>
-        <translation type="unfinished"></translation>
+        <translation>Raporu aç</translation>
     </message>
     <message>
         <source>See the pages</source>
-        <translation type="unfinished"></translation>
+        <translation>Sayfaları gör</translation>
     </message>
     <message>
         <source>What will be written</source>
-        <translation type="unfinished"></translation>
+        <translation>Neler yazılacak</translation>
     </message>
 </context>
 <context>
@@ -4802,7 +4810,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Left out or cut:</source>
-        <translation type="unfinished"></translation>
+        <translation>Yazılmayan ya da kesilenler:</translation>
     </message>
     <message>
         <source>Length of the path</source>
@@ -4834,19 +4842,19 @@ bir daha</translation>
     </message>
     <message>
         <source>all files, columns and units explained</source>
-        <translation type="unfinished"></translation>
+        <translation>bütün dosyalar, sütunlar ve birimler açıklanır</translation>
     </message>
     <message>
         <source>all of it in one file</source>
-        <translation type="unfinished"></translation>
+        <translation>hepsi tek dosyada</translation>
     </message>
     <message>
         <source>for Google Earth and phones</source>
-        <translation type="unfinished"></translation>
+        <translation>Google Earth ve telefonlar için</translation>
     </message>
     <message>
         <source>leaks, pipe by status and track for QGIS and others</source>
-        <translation type="unfinished"></translation>
+        <translation>QGIS ve benzerleri için kaçaklar, duruma göre boru ve yol</translation>
     </message>
     <message>
         <source>one row a candidate</source>
@@ -4854,11 +4862,11 @@ bir daha</translation>
     </message>
     <message>
         <source>points and path for GPS receivers</source>
-        <translation type="unfinished"></translation>
+        <translation>GPS alıcıları için noktalar ve yol</translation>
     </message>
     <message>
         <source>selection tables for each sound file</source>
-        <translation type="unfinished"></translation>
+        <translation>her ses dosyası için seçim tablosu</translation>
     </message>
     <message>
         <source>settings, versions and file hashes</source>
@@ -4866,7 +4874,7 @@ bir daha</translation>
     </message>
     <message>
         <source>the drawing, leaks as blocks</source>
-        <translation type="unfinished"></translation>
+        <translation>çizim, kaçaklar blok olarak</translation>
     </message>
     <message>
         <source>the path with its accuracy</source>
@@ -4878,11 +4886,11 @@ bir daha</translation>
     </message>
     <message>
         <source>the same as Shapefiles</source>
-        <translation type="unfinished"></translation>
+        <translation>aynıları Shapefile olarak</translation>
     </message>
     <message>
         <source>the same for Excel, and the stretches, headings in words</source>
-        <translation type="unfinished"></translation>
+        <translation>aynısı Excel için, bölümlerle; başlıklar sözcüklerle</translation>
     </message>
     <message>
         <source>the same for a map program</source>
@@ -4894,11 +4902,11 @@ bir daha</translation>
     </message>
     <message>
         <source>who decided what when</source>
-        <translation type="unfinished"></translation>
+        <translation>kim, neye, ne zaman karar verdi</translation>
     </message>
     <message>
         <source>{count} files written to {folder}</source>
-        <translation type="unfinished"></translation>
+        <translation>{count} dosya yazıldı: {folder}</translation>
     </message>
 </context>
 <context>
@@ -5223,7 +5231,7 @@ bir daha</translation>
     </message>
     <message>
         <source>The second review has ended. Differences: {count}.</source>
-        <translation type="unfinished"></translation>
+        <translation>İkinci inceleme bitti. Farklar: {count}.</translation>
     </message>
     <message>
         <source>With so few leaks this figure says little.</source>
@@ -6331,6 +6339,14 @@ bir daha</translation>
 <context>
     <name>_FilterPanel</name>
     <message>
+        <source>By place</source>
+        <translation>Yere göre</translation>
+    </message>
+    <message>
+        <source>By score</source>
+        <translation>Puana göre</translation>
+    </message>
+    <message>
         <source>Class</source>
         <translation>Sınıf</translation>
     </message>
@@ -6345,6 +6361,14 @@ bir daha</translation>
     <message>
         <source>Marks made by hand have no score; a least score never hides them</source>
         <translation>Elle konan işaretlerin puanı yoktur; puan süzgeci onları gizlemez</translation>
+    </message>
+    <message>
+        <source>Order</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Order of the list</source>
+        <translation>Listenin sırası</translation>
     </message>
     <message>
         <source>any class</source>
