@@ -26,7 +26,8 @@ def show_enabled(
         actions_by_id[row.id].setEnabled(met[row.needs])
     actions_by_id["mark"].setEnabled((reviewing and session.writable) or recording.can_mark)
     actions_by_id["tie"].setEnabled(reviewing and session.writable)
-    actions_by_id["export"].setEnabled(session.results is not None)
+    for name in ("export", "preview_report"):
+        actions_by_id[name].setEnabled(session.results is not None)
     stack = session.undo_stack
     for name, able, text in (
         ("undo", stack.canUndo(), stack.undoText()),

@@ -87,7 +87,7 @@ class MainWindow(QMainWindow):
         self.spectrum = SpectrumControl(
             self._session, self.review_page.spectrogram, self.review_page.spectrum, language, self
         )
-        self.report = ReportControl(self._session, services.jobs, self.report_panel, self)
+        self.report = ReportControl(self, services, language)
         self.correlator = CorrelatorEntry(
             services.jobs, self._preferences, language, self._plain_pages, self._stack, self, lambda: self.page
         )

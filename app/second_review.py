@@ -31,7 +31,16 @@ if TYPE_CHECKING:
 
 PAGE = "differences"
 # they show what the first said
-BLIND_OFF = ("export", "page_report", "process", "route", "route_remove", "differences", "opinions_import")
+BLIND_OFF = (
+    "export",
+    "preview_report",
+    "page_report",
+    "process",
+    "route",
+    "route_remove",
+    "differences",
+    "opinions_import",
+)
 
 
 class SecondReview(QObject):

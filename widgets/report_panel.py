@@ -1,157 +1,254 @@
-"""What an export would say and write, the button that does it, and the exports made so far."""
+"""The report page: what an export says and writes, the choices about it, its progress, and the exports made so far."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from html import escape
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
     QListWidget,
+    QListWidgetItem,
+    QProgressBar,
     QPushButton,
+    QScrollArea,
+    QStackedWidget,
     QTextBrowser,
     QVBoxLayout,
     QWidget,
 )
 
 from processing.survey import Verdict
-from widgets.candidate_row import CandidateRow
+from widgets.handover_form import HandoverForm
+from widgets.page_pictures import PagePictures
 from widgets.quiet_combo import QuietCombo
-from widgets.units import quantities
-from widgets.vocabulary import class_text, half_width_m, length_cell, place_cell, place_title, verdict_text, width_title
+from widgets.report_words import ExportOutcome, ReportPreview, ReportWords
+
+ROW_HEIGHT = 44
+LIST_ROWS = 3
 
 
 @dataclass(frozen=True)
-class ReportPreview:
-    """The figures shown before anything is written."""
+class PastExport:
+    """An export that lies in the survey's folder: its name there, and what is shown of it."""
 
-    title: str
-    length_m: float | None
-    rows: tuple[CandidateRow, ...]
-    not_assessed_count: int
-    folder: str  # where it will be written
+    name: str
+    text: str
+    has_report: bool
 
 
 class ReportPanel(QWidget):
     """Signals out; it writes nothing itself."""
 
     export_asked = Signal(str)  # language of the report
+    cancel_asked = Signal()
     open_folder_asked = Signal(str)  # the chosen export, or empty for the latest
+    open_report_asked = Signal(str)  # likewise
+    pages_asked = Signal(str)  # language of the report
+    undecided_asked = Signal()
+    language_changed = Signal(str)
 
     def __init__(self, language: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._preview = QTextBrowser()
-        self._preview.setFrameShape(QFrame.Shape.NoFrame)
-        self._preview.setOpenLinks(False)
+        self.form = HandoverForm()
+        self.pages = PagePictures()
+        self._words = ReportWords(self)
+        self._told = QTextBrowser()
+        self._told.setFrameShape(QFrame.Shape.NoFrame)
+        self._told.setOpenLinks(False)
+        self._told.setAccessibleName(self.tr("What will be written"))
+        self._shown = QStackedWidget()
+        for widget in (self._told, self.pages):
+            self._shown.addWidget(widget)
         self._language = QuietCombo()
-        self._language.setMinimumHeight(44)
+        self._language.setMinimumHeight(ROW_HEIGHT)
         self._language.addItem("English", "en")
         self._language.addItem("Türkçe", "tr")
-        self._language.setCurrentIndex(max(0, self._language.findData(language)))
         self._language.setAccessibleName(self.tr("Language of the report"))
-        self._export = QPushButton(self.tr("Export report and files"))
-        self._export.setObjectName("export")
-        self._export.setMinimumHeight(52)
-        self._export.clicked.connect(lambda: self.export_asked.emit(self._language.currentData()))
-        self._open = QPushButton(self.tr("Open folder"))
-        self._open.setObjectName("open_exports")
-        self._open.setMinimumHeight(52)
-        self._open.clicked.connect(self._on_open)
+        self._language.activated.connect(lambda _row: self.language_changed.emit(self.language))
+        self.set_language(language)
+        self._see = self._button("see_pages", self.tr("See the pages"), ROW_HEIGHT, self._on_pages)
+        self._export = self._button("export", self.tr("Export report and files"), 52, self._on_export)
+        self._open = self._button("open_exports", self.tr("Open folder"), ROW_HEIGHT, self._on_open)
+        self._read = self._button("open_report", self.tr("Open report"), ROW_HEIGHT, self._on_read)
+        self._cancel = self._button("cancel_export", self.tr("Cancel"), ROW_HEIGHT, self.cancel_asked.emit)
+        self._progress = QProgressBar()
+        self._progress.setRange(0, 1000)
+        self._progress.setMinimumHeight(ROW_HEIGHT)
         self._exports = QListWidget()
+        self._exports.setObjectName("exports_so_far")
         self._exports.setAccessibleName(self.tr("Exports so far"))
-        self._exports.itemDoubleClicked.connect(lambda _item: self._on_open())
+        self._exports.setMinimumHeight(LIST_ROWS * ROW_HEIGHT)
+        self._exports.itemActivated.connect(lambda _item: self._on_open())
+        self._exports.currentRowChanged.connect(lambda _row: self._show_openable())
+        self._draft = QLabel()
+        self._draft.setWordWrap(True)
+        self._draft.setObjectName("draft_warning")
+        self._undecided = self._button(
+            "next_undecided", self.tr("Go to the next undecided"), ROW_HEIGHT, self.undecided_asked.emit
+        )
+        self._preview: ReportPreview | None = None
+        self._past: tuple[PastExport, ...] = ()
+        self._outcome: ExportOutcome | None = None
         self._lay_out()
+        self.form.changed.connect(self._tell)
         self.set_exports(())
+        self.set_progress(None)
+        self.set_preview(None)
 
-    def _lay_out(self) -> None:
-        side = QVBoxLayout()
-        label = QLabel(self.tr("Language of the report"))
-        label.setBuddy(self._language)
-        side.addWidget(label)
-        side.addWidget(self._language)
-        side.addWidget(self._export)
-        side.addSpacing(16)
-        side.addWidget(QLabel(self.tr("Exports so far")))
-        side.addWidget(self._exports, 1)
-        side.addWidget(self._open)
-        layout = QHBoxLayout(self)
-        layout.addWidget(self._preview, 3)
-        layout.addLayout(side, 2)
+    # --- what is chosen ---
 
     @property
     def language(self) -> str:
         """The language chosen for the report."""
         return str(self._language.currentData())
 
+    def set_language(self, language: str) -> None:
+        """Show the report's language, without telling of it."""
+        self._language.setCurrentIndex(max(0, self._language.findData(language)))
+
+    # --- what is shown ---
+
     def set_preview(self, preview: ReportPreview | None) -> None:
         """Show what would be written; None while there is nothing to report."""
-        self._export.setEnabled(preview is not None)
-        if preview is None:
-            text = self.tr("There is nothing to report yet. Open and process a survey.")
-            self._preview.setHtml(f"<p>{escape(text)}</p>")
-            return
-        self._preview.setHtml(self._html(preview))
+        self._preview = preview
+        for button in (self._export, self._see):
+            button.setEnabled(preview is not None)
+        undecided = 0 if preview is None else sum(_is_open(row.decision.verdict) for row in preview.rows)
+        text = self.tr("Draft: places undecided or unsure: {count}. Each page of the report says so.")
+        self._draft.setText(text.format(count=undecided))
+        for widget in (self._draft, self._undecided):
+            widget.setVisible(undecided > 0)
+        self.show_words()
+        self._tell()
 
-    def set_exports(self, names: Sequence[str]) -> None:
+    def set_outcome(self, outcome: ExportOutcome | None) -> None:
+        """Show what was written last, what was left out and why; None forgets it."""
+        self._outcome = outcome
+        self.show_words()
+        self._tell()
+
+    def set_pages(self, pictures: Sequence[bytes]) -> None:
+        """Show the pages of the report as pictures."""
+        self.pages.set_pictures(pictures)
+        self._shown.setCurrentWidget(self.pages)
+        self._see.setText(self.tr("Back to the list"))
+        self.pages.setFocus()
+
+    def toggle_pages(self) -> None:
+        """Go from the list to the pages, which are then asked for, or back."""
+        if self._see.isEnabled():
+            self._on_pages()
+
+    def show_words(self) -> None:
+        """Show the list in place of the pages."""
+        self._shown.setCurrentWidget(self._told)
+        self._see.setText(self.tr("See the pages"))
+
+    def set_progress(self, fraction: float | None, text: str = "") -> None:
+        """Show how far an export or the pages are; None when nothing is being made."""
+        for widget in (self._progress, self._cancel):
+            widget.setVisible(fraction is not None)
+        for button in (self._export, self._see):
+            button.setVisible(fraction is None)
+        if fraction is not None:
+            self._progress.setValue(round(1000 * fraction))
+            self._progress.setFormat(text)
+
+    def set_exports(self, exports: Sequence[PastExport]) -> None:
         """Show the exports made so far, newest first."""
+        self._past = tuple(exports)
         self._exports.clear()
-        self._exports.addItems(list(names))
-        self._open.setEnabled(bool(names))
+        for export in exports:
+            item = QListWidgetItem(export.text)
+            item.setSizeHint(QSize(0, ROW_HEIGHT))
+            item.setToolTip(export.name)
+            self._exports.addItem(item)
+        if exports:
+            self._exports.setCurrentRow(0)
+        self._show_openable()
 
     def plain_text(self) -> str:
         """Return the preview as plain text."""
-        return self._preview.toPlainText()
+        return self._told.toPlainText()
+
+    # --- inside ---
+
+    def _button(self, name: str, text: str, height: int, slot: Callable[[], None]) -> QPushButton:
+        button = QPushButton(text)
+        button.setObjectName(name)
+        button.setMinimumHeight(height)
+        button.clicked.connect(lambda _checked=False: slot())
+        return button
+
+    def _lay_out(self) -> None:
+        left = QVBoxLayout()
+        warning = QHBoxLayout()
+        warning.addWidget(self._draft, 1)
+        warning.addWidget(self._undecided)
+        left.addLayout(warning)
+        left.addWidget(self._shown, 1)
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(0, 0, 6, 0)
+        label = QLabel(self.tr("Language of the report"))
+        label.setBuddy(self._language)
+        column.addWidget(label)
+        column.addWidget(self._language)
+        column.addWidget(self.form)
+        column.addWidget(QLabel(self.tr("Exports so far")))
+        column.addWidget(self._exports)
+        column.addStretch(1)
+        scroll = QScrollArea()
+        scroll.setWidget(inside)
+        scroll.setWidgetResizable(True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        side = QVBoxLayout()
+        side.addWidget(scroll, 1)
+        for widget in (self._see, self._export, self._progress, self._cancel):
+            side.addWidget(widget)
+        opening = QHBoxLayout()
+        for button in (self._read, self._open):
+            opening.addWidget(button, 1)
+        side.addLayout(opening)
+        layout = QHBoxLayout(self)
+        layout.addLayout(left, 3)
+        layout.addLayout(side, 2)
+
+    def _tell(self) -> None:
+        """Fill the list: what is chosen has changed, or what became of it is known."""
+        told = "" if self._outcome is None else self._words.outcome_html(self._outcome)
+        self._told.setHtml(told + self._words.preview_html(self._preview, self.form.options))
+
+    def _on_export(self) -> None:
+        self.export_asked.emit(self.language)
+
+    def _on_pages(self) -> None:
+        if self._shown.currentWidget() is self.pages:
+            self.show_words()
+        else:
+            self.pages_asked.emit(self.language)
 
     def _on_open(self) -> None:
+        chosen = self._chosen()
+        self.open_folder_asked.emit("" if chosen is None else chosen.name)
+
+    def _on_read(self) -> None:
+        chosen = self._chosen()
+        self.open_report_asked.emit("" if chosen is None else chosen.name)
+
+    def _chosen(self) -> PastExport | None:
         item = self._exports.currentItem()
-        self.open_folder_asked.emit("" if item is None else item.text())
+        return None if item is None else self._past[self._exports.row(item)]
 
-    def _html(self, preview: ReportPreview) -> str:
-        counts = {v: sum(r.decision.verdict is v for r in preview.rows) for v in Verdict}
-        open_ones = counts[Verdict.NONE] + counts[Verdict.UNSURE]
-        parts = [f"<h2>{escape(preview.title)}</h2>"]
-        if open_ones:
-            text = self.tr("This is a draft: candidates undecided or unsure: {count}").format(count=open_ones)
-            parts.append(f"<p><b>{escape(text)}</b></p>")
-        if preview.length_m is not None:
-            parts.append(f"<p>{escape(self.tr('Length of the path'))}: {quantities().length(preview.length_m)}</p>")
-        if preview.not_assessed_count:
-            text = self.tr("Stretches not assessed, listed in the report: {count}")
-            parts.append(f"<p>{escape(text.format(count=preview.not_assessed_count))}</p>")
-        parts.append(self._table(preview.rows))
-        files = (
-            ("report.pdf", self.tr("the report with map, accuracy and one section a leak")),
-            ("leaks.csv", self.tr("one row a candidate")),
-            ("track.csv", self.tr("the path with its accuracy")),
-            ("leaks.geojson", self.tr("the same for a map program")),
-            ("summary.json", self.tr("settings, versions and file hashes")),
-        )
-        parts.append(f"<h3>{escape(self.tr('These files will be written'))}</h3><table cellpadding='3'>")
-        parts += [f"<tr><td><b>{name}</b></td><td>{escape(what)}</td></tr>" for name, what in files]
-        parts.append(f"</table><p>{escape(self.tr('to'))} {escape(preview.folder)}</p>")
-        return "".join(parts)
+    def _show_openable(self) -> None:
+        chosen = self._chosen()
+        for button in (self._open, self._read):
+            button.setVisible(self._exports.count() > 0)
+        self._read.setEnabled(chosen is not None and chosen.has_report)
 
-    def _table(self, rows: Sequence[CandidateRow]) -> str:
-        head = (
-            self.tr("No."),
-            self.tr("Verdict"),
-            self.tr("Class"),
-            place_title(),
-            width_title(),
-            self.tr("Note"),
-        )
-        cells = "".join(f"<th align='left'>{escape(h)}</th>" for h in head)
-        lines = [f"<table cellpadding='4'><tr>{cells}</tr>"]
-        for row in rows:
-            values = (
-                row.name,
-                verdict_text(row.decision.verdict),
-                class_text(row.decision.leak_class or row.candidate.leak_class),
-                place_cell(row.candidate.chainage_m),
-                length_cell(half_width_m(row.candidate)),
-                row.decision.note,
-            )
-            lines.append("<tr>" + "".join(f"<td>{escape(v)}</td>" for v in values) + "</tr>")
-        return "".join(lines) + "</table>"
+
+def _is_open(verdict: Verdict) -> bool:
+    return verdict in (Verdict.NONE, Verdict.UNSURE)
