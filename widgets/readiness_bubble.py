@@ -21,6 +21,7 @@ from widgets.lights import light_icon
 from widgets.plot_theme import LIGHT, Theme
 
 ICON = 28
+HEAD = 90  # pixels of title and margins
 TEXT_WIDTH = 360  # pixels; two or three lines of a sentence
 
 
@@ -127,4 +128,6 @@ class ReadinessBubble(Bubble):
         beside = 30 + 2 * self.lineWidth()
         width = min(layout.sizeHint().width() + beside, most.width())
         height = layout.heightForWidth(width - beside) if layout.hasHeightForWidth() else layout.sizeHint().height()
-        return QSize(width, min(height + 90, most.height()))
+        if height + HEAD > most.height():  # the lines are scrolled: the bar must not cover the buttons
+            width = min(width + self._scroll.verticalScrollBar().sizeHint().width(), most.width())
+        return QSize(width, min(height + HEAD, most.height()))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPalette, QPen, QPolygonF
+from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPalette, QPen, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -26,6 +26,7 @@ from widgets.units import quantities
 MANY = 5  # rows: with more of them there is a field to search in
 OUTLINE = QSize(84, 62)
 BUTTON = 44
+NARROW = 380  # pixels of a row
 BETWEEN = "\N{NO-BREAK SPACE}\N{MIDDLE DOT}  "  # a line does not begin with the dot
 
 
@@ -118,6 +119,7 @@ class RecentSurveyRow(QFrame):
     def __init__(self, row: RecentRow, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.row = row
+        self._outline: PathOutline | None = None
         self.button = _RowButton()
         self.button.setObjectName("recent_survey")
         self.button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
@@ -142,7 +144,8 @@ class RecentSurveyRow(QFrame):
         inside.setContentsMargins(10, 6, 8, 6)
         inside.addLayout(words, 1)
         if row.outline:
-            inside.addWidget(PathOutline(row.outline))
+            self._outline = PathOutline(row.outline)
+            inside.addWidget(self._outline)
         pin = self._tool("★" if row.pinned else "☆", "recent_pin")
         pin.setToolTip(self.tr("Let go") if row.pinned else self.tr("Keep on top"))
         pin.setAccessibleName(f"{pin.toolTip()}: {row.name}")
@@ -157,6 +160,12 @@ class RecentSurveyRow(QFrame):
         layout.addWidget(self.button, 1)
         layout.addWidget(pin)
         layout.addWidget(off)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: without room the words go before the picture."""
+        super().resizeEvent(event)
+        if self._outline is not None:
+            self._outline.setVisible(event.size().width() >= NARROW)
 
     def _tool(self, text: str, name: str) -> QToolButton:
         button = QToolButton()

@@ -3,10 +3,13 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QShowEvent
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QResizeEvent, QShowEvent
+from PySide6.QtWidgets import QBoxLayout, QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from widgets.recent_surveys import RecentRow, RecentSurveys
+
+NARROW = 760  # pixels: two columns would have no room for their words
+LIST_HEIGHT = 320  # pixels of the list below the buttons
 
 
 class StartPage(QWidget):
@@ -61,11 +64,12 @@ class StartPage(QWidget):
         right = QVBoxLayout()
         right.addWidget(heading)
         right.addWidget(self.recent, 1)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(28, 20, 28, 20)
-        layout.setSpacing(28)
-        layout.addLayout(left, 2)
-        layout.addLayout(right, 3)
+        self._claim = claim
+        self._columns = QHBoxLayout(self)
+        self._columns.setContentsMargins(28, 20, 28, 20)
+        self._columns.setSpacing(28)
+        self._columns.addLayout(left, 2)
+        self._columns.addLayout(right, 3)
 
     def _button(self, name: str, text: str, signal: object, *, height: int = 56) -> QPushButton:
         button = QPushButton(text)
@@ -73,6 +77,14 @@ class StartPage(QWidget):
         button.setMinimumHeight(height)
         button.clicked.connect(signal)
         return button
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: in a narrow window the list stands below the buttons."""
+        super().resizeEvent(event)
+        narrow = event.size().width() < NARROW
+        self._columns.setDirection(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight)
+        self._claim.setVisible(not narrow)
+        self.recent.setMinimumHeight(LIST_HEIGHT if narrow else 0)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Qt: the keyboard begins at the newest survey, else at opening one."""
