@@ -1,5 +1,6 @@
 """What the review keys and buttons do: verdicts, notes, marks, moving among candidates and along the run."""
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from app.review_page import ReviewPage
 
 STEPS_A_VIEW = 50  # one press of an arrow key moves by this part of what is shown
+MOST_PHRASES = 9
 CLOSE_S = 1.0  # a cursor this close to a candidate means it, however narrow it is
 
 
@@ -52,6 +54,7 @@ class ReviewControl(QObject):
         page.decision.class_chosen.connect(self._decide_class)
         page.decision.note_changed.connect(self._write_note)
         page.decision.note_left.connect(self._end_note)
+        page.decision.phrase_chosen.connect(self._add_phrase)
         self._show_results()
 
     # --- verdicts ---
@@ -129,6 +132,19 @@ class ReviewControl(QObject):
     def _end_note(self) -> None:
         self._typing += 1
         self._page.focus_views()
+
+    def _add_phrase(self, phrase: str) -> None:
+        """Write a note that was written before: as it is, or behind what stands there."""
+        self._page.decision.flush()
+        row = self._session.row(self._session.selected)
+        if row is not None:
+            self._typing += 1
+            note = row.decision.note.rstrip()
+            self._write_note(row.candidate.id, f"{note}; {phrase}" if note else phrase)
+
+    def choose_phrase(self) -> None:
+        """Open the list of the notes that were written in this survey."""
+        self._page.decision.open_phrases()
 
     def choose_class(self) -> None:
         """Open the list of classes."""
@@ -300,6 +316,8 @@ class ReviewControl(QObject):
         story = "" if row is None else evidence_text(row, self._language)
         brief = "" if row is None else evidence_brief(row)
         self._page.decision.show_row(row, writable=self._session.writable, evidence=brief, story=story)
+        notes = Counter(r.decision.note for r in self._session.rows() if r.decision.note and r is not row)
+        self._page.decision.set_phrases([note for note, _ in notes.most_common(MOST_PHRASES)])
 
     def _choose(self, candidate_id: int) -> None:
         self._in_selection = True

@@ -223,6 +223,8 @@ class CandidateTable(QWidget):
         header.setResizeContentsPrecision(0)  # by what is in sight: of hundreds of rows all would be asked each time
         header.setMinimumSectionSize(24)
         header.setStretchLastSection(True)
+        header.setSectionsClickable(True)
+        header.sectionClicked.connect(self._on_header)
         table.selectionModel().currentRowChanged.connect(self._on_current)
         return table
 
@@ -300,6 +302,12 @@ class CandidateTable(QWidget):
     def rows_in_sight(self) -> int:
         """How many whole rows there is room for."""
         return self._table.viewport().height() // ROW_HEIGHT
+
+    def _on_header(self, column: int) -> None:
+        """Let the heads of place and score choose the order, as they do elsewhere."""
+        order = {ID: "chainage", CHAINAGE: "chainage", PLUS_MINUS: "chainage", SCORE: "score"}.get(column)
+        if order is not None:
+            self.tools.order_chosen.emit(order)
 
     def _on_current(self, current: QModelIndex, _previous: QModelIndex) -> None:
         if not self._quiet and current.isValid():

@@ -1,12 +1,15 @@
 """What the machine says about the selected candidate, and the large buttons for what the operator says."""
 
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from collections.abc import Sequence
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QMenu,
     QSizePolicy,
     QToolButton,
     QVBoxLayout,
@@ -22,6 +25,7 @@ from widgets.vocabulary import class_text, place_text
 
 BUTTON_HEIGHT = 62
 NOTE_HEIGHT = 44
+LONGEST_PHRASE = 48  # letters of a note in the list of notes
 EVIDENCE_LINES = 2
 BESIDE_TEXT = 12  # pixels of a button that are not its word, with the gap to the next
 MACHINE = "\N{GEAR}"
@@ -38,10 +42,12 @@ class DecisionPanel(QWidget):
     class_chosen = Signal(object)  # LeakClass, or None for the machine's
     note_changed = Signal(int, str)  # candidate id, text
     note_left = Signal()
+    phrase_chosen = Signal(str)
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._row: CandidateRow | None = None
+        self._told_phrases: tuple[str, ...] = ()
         self._title = QLabel()
         self._title.setObjectName("candidate_title")
         self._title.setTextFormat(Qt.TextFormat.PlainText)
@@ -60,6 +66,7 @@ class DecisionPanel(QWidget):
         self._note.setFixedHeight(NOTE_HEIGHT)
         self._note.note_changed.connect(self._on_note)
         self._note.left.connect(self.note_left)
+        self._phrases = self._phrase_button()
         self._lay_out()
         self.set_theme(theme)
         self._fit_evidence()
@@ -80,7 +87,11 @@ class DecisionPanel(QWidget):
         layout.addLayout(top)
         layout.addWidget(self._evidence)
         layout.addLayout(self._grid)
-        layout.addWidget(self._note)
+        foot = QHBoxLayout()
+        foot.setSpacing(4)
+        foot.addWidget(self._note, 1)
+        foot.addWidget(self._phrases)
+        layout.addLayout(foot)
 
     def _arrange(self, columns: int) -> None:
         if columns != self._columns:
@@ -125,6 +136,36 @@ class DecisionPanel(QWidget):
         button.clicked.connect(lambda _checked=False, v=verdict: self._on_verdict(v))
         return button
 
+    def _phrase_button(self) -> QToolButton:
+        button = QToolButton()
+        button.setObjectName("note_phrases")
+        button.setText("…")
+        button.setToolTip(self.tr("Notes used in this survey (Shift+Enter)"))
+        button.setAccessibleName(button.toolTip())
+        button.setFixedSize(NOTE_HEIGHT, NOTE_HEIGHT)
+        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        button.clicked.connect(self.open_phrases)
+        return button
+
+    def set_phrases(self, phrases: Sequence[str]) -> None:
+        """Take the notes that may be written again with one choice."""
+        self._told_phrases = tuple(phrases)
+        self._phrases.setEnabled(bool(phrases) and self._class.isEnabled())
+
+    def open_phrases(self) -> None:
+        """Show the notes to choose from, for keyboard, mouse or glove."""
+        if not self._phrases.isEnabled():
+            return
+        menu = QMenu(self)
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        for phrase in self._told_phrases:
+            line = " ".join(phrase.split())
+            shown = line if len(line) <= LONGEST_PHRASE else line[: LONGEST_PHRASE - 1] + "…"
+            action = menu.addAction(shown.replace("&", "&&"))
+            action.triggered.connect(lambda _checked=False, text=phrase: self.phrase_chosen.emit(text))
+        menu.setActiveAction(menu.actions()[0])
+        menu.popup(self._phrases.mapToGlobal(QPoint(0, 0)) - QPoint(0, menu.sizeHint().height()))
+
     def _class_box(self) -> QComboBox:
         box = QuietCombo()
         box.setObjectName("leak_class")
@@ -155,6 +196,7 @@ class DecisionPanel(QWidget):
         for widget in (*self._buttons.values(), self._class):
             widget.setEnabled(row is not None and writable)
         self._note.setEnabled(row is not None)
+        self._phrases.setEnabled(row is not None and writable and bool(self._told_phrases))
         self._note.setReadOnly(not writable)
         self._evidence.setText(evidence)
         self._evidence.setToolTip(story)

@@ -39,17 +39,17 @@ class ListTools(QWidget):
         super().__init__(parent)
         self._filter = CandidateFilter()
         self._verdict = self._verdict_box()
-        self._order = self._order_box()
         self._more = QToolButton()
         self._more.setObjectName("filter_more")
         self._more.setText(self.tr("More…"))
-        self._more.setToolTip(self.tr("Filter by class and score; listen to each candidate on arrival (Shift+N)"))
+        self._more.setToolTip(self.tr("Order, filter by class and score, listening on arrival (Shift+N)"))
         self._more.setMinimumHeight(TOUCH)
         self._more.setCheckable(True)
         self._more.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._more.clicked.connect(self.open_more)
         self._panel = _FilterPanel(self)
         self._panel.class_chosen.connect(self._on_class)
+        self._panel.order_chosen.connect(self.order_chosen)
         self._panel.score_chosen.connect(self._on_score)
         self._panel.autoplay_chosen.connect(self.autoplay_chosen)
         self._panel.closed.connect(self._show_more)
@@ -69,8 +69,7 @@ class ListTools(QWidget):
         first, second = QHBoxLayout(), QHBoxLayout()
         first.setSpacing(4)
         second.setSpacing(4)
-        first.addWidget(self._verdict, 3)
-        first.addWidget(self._order, 2)
+        first.addWidget(self._verdict, 1)
         first.addWidget(self._more)
         second.addWidget(self._progress, 1)
         second.addWidget(self._report, 1)
@@ -95,27 +94,15 @@ class ListTools(QWidget):
         box.activated.connect(self._on_verdict)
         return box
 
-    def _order_box(self) -> QuietCombo:
-        box = _combo("list_order", self.tr("Order of the list"))
-        for order, text in zip(ORDERS, (self.tr("By score"), self.tr("By place")), strict=True):
-            box.addItem(text, order)
-        box.activated.connect(lambda _row: self.order_chosen.emit(self.order))
-        return box
-
     def _verdict_name(self, verdict: Verdict | None, count: int | None = None) -> str:
         name = self.tr("All") if verdict is None else verdict_text(verdict)
         return name if count is None else f"{name}  {count}"
 
     # --- what it is told ---
 
-    @property
-    def order(self) -> str:
-        """``score`` or ``chainage``."""
-        return str(self._order.currentData())
-
     def set_order(self, order: str) -> None:
-        """Show an order."""
-        self._order.setCurrentIndex(max(0, self._order.findData(order)))
+        """Show an order, ``score`` or ``chainage``."""
+        self._panel.set_order(order)
 
     def set_filter(self, shown: CandidateFilter) -> None:
         """Show a filter."""
@@ -189,6 +176,7 @@ class ListTools(QWidget):
 class _FilterPanel(QFrame):
     """What is asked for less often; Escape or a press elsewhere closes it."""
 
+    order_chosen = Signal(str)
     class_chosen = Signal(object)  # LeakClass, or None for any
     score_chosen = Signal(float)
     autoplay_chosen = Signal(bool)
@@ -210,11 +198,18 @@ class _FilterPanel(QFrame):
         self._score.setMinimumHeight(TOUCH)
         self._score.setToolTip(self.tr("Marks made by hand have no score; a least score never hides them"))
         self._score.valueChanged.connect(self.score_chosen)
+        self._order = _combo("list_order", self.tr("Order of the list"))
+        for order, text in zip(ORDERS, (self.tr("By score"), self.tr("By place")), strict=True):
+            self._order.addItem(text, order)
+        self._order.activated.connect(lambda _row: self.order_chosen.emit(str(self._order.currentData())))
         self._autoplay = QCheckBox(self.tr("Listen to each on arrival"))
         self._autoplay.setObjectName("autoplay")
         self._autoplay.setMinimumHeight(TOUCH)
         self._autoplay.clicked.connect(self.autoplay_chosen)
+        for box in (self._order, self._class):
+            box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         form = QFormLayout(self)
+        form.addRow(self.tr("Order"), self._order)
         form.addRow(self.tr("Class"), self._class)
         form.addRow(self.tr("Least score"), self._score)
         form.addRow(self._autoplay)
@@ -225,6 +220,10 @@ class _FilterPanel(QFrame):
         self._score.blockSignals(True)
         self._score.setValue(shown.least_score)
         self._score.blockSignals(False)
+
+    def set_order(self, order: str) -> None:
+        """Show an order without announcing it."""
+        self._order.setCurrentIndex(max(0, self._order.findData(order)))
 
     def set_autoplay(self, *, on: bool) -> None:
         """Show the choice without announcing it."""

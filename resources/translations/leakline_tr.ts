@@ -85,7 +85,7 @@
     </message>
     <message>
         <source>Choose a note that was written in this survey already</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu ölçümde daha önce yazılmış bir notu seç</translation>
     </message>
     <message>
         <source>Choose class and least score of the candidates that the list shows</source>
@@ -469,7 +469,7 @@
     </message>
     <message>
         <source>Note used before</source>
-        <translation type="unfinished"></translation>
+        <translation>Önceki notlardan yaz</translation>
     </message>
     <message>
         <source>Open</source>
@@ -1770,7 +1770,7 @@
     </message>
     <message>
         <source>Notes used in this survey (Shift+Enter)</source>
-        <translation type="unfinished"></translation>
+        <translation>Bu ölçümde yazılmış notlar (Shift+Enter)</translation>
     </message>
     <message>
         <source>Reject</source>
@@ -3145,7 +3145,7 @@
     </message>
     <message>
         <source>Order, filter by class and score, listening on arrival (Shift+N)</source>
-        <translation type="unfinished"></translation>
+        <translation>Sıra, sınıfa ve puana göre süzme, gelince dinleme (Shift+N)</translation>
     </message>
     <message>
         <source>Undecided and hidden by the filter: {count}</source>
@@ -6364,7 +6364,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Order</source>
-        <translation type="unfinished"></translation>
+        <translation>Sıra</translation>
     </message>
     <message>
         <source>Order of the list</source>

@@ -2,9 +2,11 @@
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDoubleSpinBox, QLabel, QPushButton
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QDoubleSpinBox, QLabel, QPushButton
 from review_window import on_disk, press, review_window
 
+from app.review_commands import WriteNote
 from app.settings import PreferencesStore
 from processing.survey import Decision, Verdict
 from widgets.candidate_row import CandidateFilter
@@ -138,3 +140,19 @@ def test_six_rows_of_the_list_are_in_sight_on_a_small_laptop(opened, qtbot):
         assert window.review_page.table.rows_in_sight >= 6
         window.next_theme()
         qtbot.wait(20)
+
+
+@pytest.mark.qt_log_ignore("does not support grabbing", extend=True)
+def test_a_note_used_before_is_written_again_by_key_behind_what_stands_there(opened, qtbot):
+    window, session = opened
+    first, second, *_ = session.ordered_ids()
+    session.push(WriteNote(session, "note", first, Decision(note="wet road\nask again"), typing=1))
+    session.push(WriteNote(session, "note", second, Decision(note="loud"), typing=2))
+    session.select(second)
+    press(window, KEY.Key_Return, SHIFT)
+    menu = QApplication.activePopupWidget()
+    assert [a.text() for a in menu.actions()] == ["wet road ask again"]
+    QTest.keyClick(menu, KEY.Key_Return)
+    assert on_disk(session)[second] == Decision(note="loud; wet road\nask again")
+    window.review.undo()
+    assert on_disk(session)[second] == Decision(note="loud")
