@@ -62,6 +62,7 @@ class PathLines:
 
     def __init__(self, box: pg.ViewBox) -> None:
         self.shown_times: list[FloatArray] = []  # moments (n,) of each stretch of the path that is in view
+        self._near = (np.empty((0, 2)), np.empty(0), np.empty(0, dtype=bool))  # places, moments, what reaches on
         self._route, self._range, self._line, self._doubtful = PathItem(), PathItem(), PathItem(), DottedPathItem()
         lines = ((BAND_Z - 1, self._route), (BAND_Z + 1, self._range), (BAND_Z + 2, self._line))
         for z, item in (*lines, (BAND_Z + 3, self._doubtful)):
@@ -91,15 +92,22 @@ class PathLines:
         # what is far outside is left out altogether
         near = np.concatenate([np.arange(len(times))[part] for part in shown] or [np.empty(0, dtype=np.intp)])
         plane, times, reaches = plane[near], times[near], reaches[near]
-        in_range = (times >= range_s[0]) & (times <= range_s[1])
+        self._near = (plane, times, reaches)
         assessed = np.ones(len(times), dtype=bool)
         for stretch in stretches:
             if stretch.channel in (Channel.PATH, Channel.SOUND):
                 assessed &= ~((times >= stretch.start_s) & (times <= stretch.end_s))
         width = 1.6 * theme.line_width
-        self._range.show_line(plane, reaches & in_range & ~np.all(in_range), theme.accent, 4.0 * width, alpha=70)
+        self.show_range(range_s, theme)
         self._line.show_line(plane, reaches & assessed, theme.curve, width)
         self._doubtful.show_line(plane, reaches & ~assessed, theme.not_assessed, width)
+
+    def show_range(self, range_s: tuple[float, float], theme: Theme) -> None:
+        """Show broad what of the path lies between two moments; all else stays as it was drawn."""
+        plane, times, reaches = self._near
+        in_range = (times >= range_s[0]) & (times <= range_s[1])
+        width = 6.4 * theme.line_width
+        self._range.show_line(plane, reaches & in_range & ~np.all(in_range), theme.accent, width, alpha=70)
 
 
 def _in_view(plane_m: FloatArray, scale: PlanScale, margin: float) -> tuple[npt.NDArray[np.bool_], list[slice]]:

@@ -6,6 +6,7 @@ fingers zoom, double click shows everything, or what lies there.
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
@@ -53,12 +54,12 @@ class PathView(PlanHand):
         self._marks = Marks()
         self._stretches: tuple[Stretch, ...] = ()
         self._show_interval = True
-        self._stale = True
+        self._stale, self._range_stale = True, False
         self._build()
         self._mark_pixmaps: VerdictMarks | None = None
         self._painted_cursor: QPointF | None = None
-        # the highlighted part costs a whole repaint: while others pan, it follows ten times a second
-        self._follow_range = Throttle(lambda *_: self.invalidate(), 100, self)
+        # while others pan, the highlighted part follows ten times a second
+        self._follow_range = Throttle(lambda *_: self._invalidate_range(), 100, self)
         cursor.moved.connect(self._follow_cursor)
         cursor.ruler.changed.connect(self.refresh)
         cursor.range_changed.connect(self._follow_range.__call__)  # a bound method goes with its object
@@ -72,7 +73,7 @@ class PathView(PlanHand):
         self._canvas.setCentralItem(self._plot)
         self._ground = PaintedItem(self._plot, self._paint_ground, -200.0, Keep.STROKES)
         self._lines, self._compared = PathLines(self._plot.vb), ComparedLines(self._plot.vb)
-        self._band_item = PaintedItem(None, self._paint_interval, BAND_Z, Keep.STROKES)
+        self._band_item = PaintedItem(None, self._paint_interval, BAND_Z, Keep.PIXELS)
         self._plot.vb.addItem(self._band_item, ignoreBounds=True)
         self._places = PaintedItem(self._plot, self._paint_places, 10.0, Keep.PIXELS)
         self._device = PaintedItem(self._plot, self._paint_device, 20.0, Keep.NOTHING)
@@ -118,12 +119,17 @@ class PathView(PlanHand):
 
     def set_candidates(self, candidates: Sequence[Candidate], decisions: Mapping[int, Decision] | None = None) -> None:
         """Show these candidates, each with its number and the mark of its verdict."""
-        self._marks = Marks(tuple(candidates), dict(decisions or {}), self._marks.selected)
+        self._marks = Marks(tuple(candidates), dict(decisions or {}), self._marks.selected, self._marks.dug)
         self.invalidate()
 
     def set_selected(self, candidate_id: int | None) -> None:
         """Ring one candidate; None rings none."""
-        self._marks = Marks(self._marks.candidates, self._marks.decisions, candidate_id)
+        self._marks = replace(self._marks, selected=candidate_id)
+        self.invalidate()
+
+    def set_dug(self, signs: Mapping[int, str]) -> None:
+        """Mark the leaks, by number, that were dug up, each with the sign of what that showed."""
+        self._marks = replace(self._marks, dug=dict(signs))
         self.invalidate()
 
     def set_not_assessed(self, stretches: Sequence[Stretch]) -> None:
@@ -230,11 +236,18 @@ class PathView(PlanHand):
         self._stale = True
         self._canvas.viewport().update()
 
+    def _invalidate_range(self) -> None:
+        self._range_stale = True
+        self.refresh()
+
     def refresh(self) -> None:
         """Lay down again what is there, and the cursor over it."""
         self._canvas.viewport().update()
 
     def _prepare(self) -> None:
+        if self._range_stale and not self._stale:
+            self._lines.show_range(self._cursor.range_s, self._theme)
+        self._range_stale = False
         if not self._stale:
             return
         self._stale = False
@@ -244,7 +257,7 @@ class PathView(PlanHand):
         self._lines.show_route(self._route, self._scale, self._theme)
         self._lines.show_path(self._path, self._scale, self._theme, self._cursor.range_s, self._stretches)
         self._compared.show(self._scale, self._theme)
-        self._band_item.renew(QRectF(west, south, east - west, north - south))
+        self._band_item.renew(QRectF(west, south, east - west, north - south), QRectF(self.rect()))
         for item in (self._ground, self._places, self._device):
             item.renew(QRectF(self.rect()))
 

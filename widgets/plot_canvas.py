@@ -95,14 +95,15 @@ class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no 
         super().__init__(parent)
         self._paint, self._keep = paint, keep
         self._kept: QPicture | QPixmap | None = None
-        self._area = QRectF()
+        self._area = self._pixels = QRectF()
         self.setZValue(z)
 
-    def renew(self, area: QRectF) -> None:
-        """Have it painted anew, within an area (in the parent's units)."""
+    def renew(self, area: QRectF, pixels: QRectF | None = None) -> None:
+        """Have it painted anew, within an area (in the parent's units), which is that of ``pixels`` of the widget."""
         if area != self._area:
             self.prepareGeometryChange()
             self._area = area
+        self._pixels = area if pixels is None else pixels
         self._kept = None
         self.update()
 
@@ -121,7 +122,7 @@ class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no 
             if self._kept is None:
                 self._kept = self._recorded(painter.device().devicePixelRatioF())
             if isinstance(self._kept, QPixmap):
-                painter.drawPixmap(self._area.topLeft(), self._kept)
+                painter.drawPixmap(self._pixels.topLeft(), self._kept)
             else:
                 self._kept.play(painter)
         except Exception:  # noqa: BLE001  # handed on
@@ -131,14 +132,14 @@ class PaintedItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no 
         if self._keep is Keep.STROKES:
             kept: QPicture | QPixmap = QPicture()
         else:
-            size = (self._area.size() * pixel_ratio).toSize()
+            size = (self._pixels.size() * pixel_ratio).toSize()
             kept = QPixmap(max(1, size.width()), max(1, size.height()))
             kept.setDevicePixelRatio(pixel_ratio)
             kept.fill(Qt.GlobalColor.transparent)
         painter = QPainter(kept)
         try:
             if self._keep is Keep.PIXELS:
-                painter.translate(-self._area.topLeft())
+                painter.translate(-self._pixels.topLeft())
             self._paint(painter)
         finally:
             painter.end()

@@ -3,7 +3,9 @@
 Run it by hand: ``python tests/benchmarks/bench_views.py [width] [height]``. A frame is all that the window's thread
 does for one step of panning or zooming, from the cursor's signal to the painted pixels; reads by workers run beside it.
 ``cpu`` is the time of that thread alone, which other work stretches little; ``wall`` is what one waits. Of the sound
-page (``... bench_views.py 1920 1000 sound``) every turn of the event loop in which something was painted is a frame.
+page (``... bench_views.py 1920 1000 sound``) every turn of the event loop in which something was painted is a frame,
+while it is panned, zoomed and measured on, and while the views follow the playback, page by page and centred; of the
+``leaks`` page and the ``path`` page too.
 """
 
 import os
@@ -164,13 +166,47 @@ def build(cursor, window):
     return views
 
 
-def report_sound_page(application, cursor, views):
-    """Print percentiles of all frames while the page of four linked views is panned, zoomed, and listened to."""
-    for name in ("profile", "path"):
-        views[name].hide()
-    for name in ("overview", "spectrogram", "level"):
-        views[name].set_x_axis_visible(False)  # as on the page
-    print(f"{'sound page':40}{'n':>6}{'cpu p50':>9}{'p95':>7}{'p99':>7}{'wall p50':>10}{'p95':>7}{'p99':>7}")
+PAGES = {
+    "sound": ("overview", "spectrogram", "level", "imu"),
+    "leaks": ("overview", "spectrogram", "level", "profile", "path"),
+    "path": ("overview", "level", "imu", "profile", "path"),
+}
+TICK_S = 0.033  # of the playback
+
+
+def followed(cursor, how):
+    """Return a step of the playback after which the views follow: ``page`` or ``centre``, as the program does."""
+
+    def step(k):
+        del k
+        cursor.set_time(cursor.time_s + TICK_S, reveal=False)
+        low, high = cursor.x_range
+        at = (float(cursor.x_of_time(cursor.time_s)) - low) / (high - low)
+        if how == "centre":
+            cursor.pan((at - 0.5) * (high - low))
+        elif not 0.0 <= at <= 1.0:
+            cursor.pan((at - 0.04) * (high - low))
+
+    return step
+
+
+def measured_on(cursor):
+    """Return a step of the cursor with the ruler's live end, and the label that goes with it."""
+
+    def step(k):
+        cursor.ruler.label = f"{k / 10:.1f} ± 0.5 m   {k / 5:.1f} s"
+        cursor.set_time(600.0 + 2.0 * k, reveal=False)
+
+    return step
+
+
+def report_page(page, application, cursor, views):
+    """Print percentiles of all frames while a page of linked views is panned, zoomed, measured on and listened to."""
+    for name, view in views.items():
+        view.setVisible(name in PAGES[page])
+        if name != "path":
+            view.set_x_axis_visible(name in ("level", "imu", "profile"))
+    print(f"{page + ' page':40}{'n':>6}{'cpu p50':>9}{'p95':>7}{'p99':>7}{'wall p50':>10}{'p95':>7}{'p99':>7}")
     for mode in ("time", "distance"):
         cursor.set_axis_mode(mode)
         cursor.fit()
@@ -180,7 +216,16 @@ def report_sound_page(application, cursor, views):
             ("panning", lambda k, step=step: cursor.pan(step if k < 75 else -step)),
             ("zooming", lambda k: cursor.zoom(0.9 if k % 30 < 15 else 1.0 / 0.9)),
             ("moving the cursor", lambda k: cursor.set_time(600.0 + 5.0 * k, reveal=False)),
+            ("measuring", measured_on(cursor)),
+            ("following by pages", followed(cursor, "page")),
+            ("following centred", followed(cursor, "centre")),
         ):
+            cursor.ruler.remove()
+            if name == "measuring":
+                cursor.set_time(600.0, reveal=False)
+                cursor.ruler.press(600.0)
+            if name.startswith("following"):
+                cursor.set_time(float(cursor.time_of_x(sum(cursor.x_range) / 2.0)), reveal=False)
             cpu, wall = zip(*turns_of_the_loop(application, move), strict=True)
             figures = (*np.percentile(cpu, (50, 95, 99)), *np.percentile(wall, (50, 95, 99)))
             widths = (9, 7, 7, 10, 7, 7)
@@ -215,8 +260,10 @@ def main():
         application.processEvents()
     unit = yardstick_ms(width, height)
     print(f"{width}×{height}, yardstick (blit of the window): {unit:.2f} ms of cpu")
-    if "sound" in sys.argv:
-        report_sound_page(application, cursor, views)
+    pages = [page for page in PAGES if page in sys.argv]
+    if pages:
+        for page in pages:
+            report_page(page, application, cursor, views)
         window.close()
         views["spectrogram"].set_source(None)
         return
