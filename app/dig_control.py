@@ -21,6 +21,7 @@ from processing.coordinates import LocalFrame, frame_of
 from processing.errors import LeaklineError
 from processing.review_facts import DigFinding, DigResult
 from processing.survey import Decision, LeakClass, StatedIntervals, Verdict
+from widgets.dig_list import SIGNS
 from widgets.units import quantities
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class DigControl(QObject):
 
     told = Signal(str)
     photo_asked = Signal()
+    marked = Signal(object)  # dict[int, str]: the leaks that were dug up, by number, with the sign of what that showed
 
     def __init__(self, services: Services, host: PageHost, language: str, window: QWidget) -> None:
         super().__init__(window)
@@ -55,9 +57,14 @@ class DigControl(QObject):
         session = services.session
         for changed in (self.ledger.changed, session.results_changed, session.candidates_changed):
             changed.connect(self._show)
+        self.ledger.changed.connect(self.show_marks)
         self.ledger.history_changed.connect(self._show_history)
         session.survey_changed.connect(self._show_history)
         session.decision_changed.connect(lambda _candidate: self._show_lines())
+
+    def show_marks(self) -> None:
+        """Tell the list and the plan which leaks were dug up."""
+        self.marked.emit({number: SIGNS[self._words.held(dig)] or "•" for number, dig in self.ledger.results.items()})
 
     # --- the door ---
 
@@ -184,6 +191,7 @@ class DigControl(QObject):
             session.push(Decide(session, text, row.candidate.id, after))
             self._number = row.candidate.label
             session.push(RecordDig(self.ledger, text, self._number, replace(found.result, number=self._number)))
+            self.told.emit(self.tr("Saved: {what}").format(what=self._words.followed(found)))
         session.undo_stack.endMacro()
         self._show()
 

@@ -42,6 +42,9 @@ class Workplace(QObject):
         self.views = ViewsControl(window, services)
         self.digs = DigControl(services, host, language, window)
         self.digs.told.connect(self.told)
+        self.digs.marked.connect(window.review_page.path.set_dug)
+        self.digs.marked.connect(window.review_page.table.set_dug)
+        self.digs.show_marks()
         self.repeat = RepeatControl(services, host, language, window)
         self.repeat.told.connect(self.told)
         self.repeat.open_asked.connect(window.files.open_path)
@@ -68,6 +71,7 @@ class Workplace(QObject):
 
         self.photos = PhotoControl(window, services, language)
         self.photos.told.connect(self.told)
+        self.digs.photo_asked.connect(self.photos.attach)
         self.second = SecondReview(window, services, host, theme_named(services.preferences.values.theme))
         self.second.told.connect(self.told)
         self.gallery = GalleryControl(window, services, host, theme_named(services.preferences.values.theme))

@@ -1,6 +1,6 @@
 """The list of candidates with verdict, place and score; its selection is the session's, in both directions."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -57,6 +57,7 @@ class CandidateModel(QAbstractTableModel):
         super().__init__(parent)
         self.rows: list[CandidateRow] = []
         self.narrow = False
+        self._dug: dict[int, str] = {}  # by number: the sign of what a dig showed
         self.set_theme(theme)
 
     def set_theme(self, theme: Theme) -> None:
@@ -82,6 +83,12 @@ class CandidateModel(QAbstractTableModel):
         if self.rows:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self.rows) - 1, NOTE))
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, NOTE)
+
+    def set_dug(self, signs: Mapping[int, str]) -> None:
+        """Show behind their names which leaks, by number, were dug up, each with the sign of what that showed."""
+        self._dug = dict(signs)
+        if self.rows:
+            self.dataChanged.emit(self.index(0, ID), self.index(len(self.rows) - 1, ID))
 
     def set_decision(self, candidate_id: int, decision: Decision) -> None:
         """Change one row's decision."""
@@ -145,7 +152,8 @@ class CandidateModel(QAbstractTableModel):
         candidate, decision = row.candidate, row.decision
         match column:
             case 0:
-                return row.name
+                sign = self._dug.get(candidate.label)
+                return row.name if sign is None else f"{row.name} [{sign}]"
             case 1:
                 return "" if decision.verdict is Verdict.NONE else verdict_text(decision.verdict)
             case 2:
@@ -241,6 +249,10 @@ class CandidateTable(QWidget):
         """Draw the verdicts as this theme does."""
         self.model.set_theme(theme)
         self._table.viewport().update()
+
+    def set_dug(self, signs: Mapping[int, str]) -> None:
+        """Show which leaks, by number, were dug up."""
+        self.model.set_dug(signs)
 
     def set_rows(self, rows: Sequence[CandidateRow], *, searched: bool = True) -> None:
         """Show these candidates in this order; the selection is kept where it still exists.

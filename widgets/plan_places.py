@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QPointF
-from PySide6.QtGui import QPainter
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
 
 from processing.survey import Candidate
 from widgets.path_paint import Labels
@@ -24,6 +24,14 @@ class PlanPlaces:
     radius: float
 
 
+def paint_dug(painter: QPainter, theme: Theme, centre: QPointF, radius: float) -> None:
+    """Draw the pit around a leak that was dug up: a square, which no verdict has."""
+    side = 3.0 * radius
+    painter.setPen(QPen(QColor(theme.text), theme.line_width))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawRect(QRectF(centre.x() - side / 2, centre.y() - side / 2, side, side))
+
+
 def paint_places(
     painter: QPainter, labels: Labels, theme: Theme, places: PlanPlaces, pixmaps: VerdictMarks, *, names: bool
 ) -> None:
@@ -34,7 +42,11 @@ def paint_places(
     paint_pins(painter, theme, list(pins), 0.7 * radius, places.selected_pin)
     for candidate, centre in places.candidates:
         pixmaps.paint(painter, places.marks.verdict(candidate), centre, selected=candidate.id == selected)
+        if candidate.label in (places.marks.dug or {}):
+            paint_dug(painter, theme, centre, radius)
     # the weighty ones are painted last but named first, so that they get a place
     for candidate, centre in reversed(places.candidates) if names else ():
-        labels.write(str(candidate.label), centre, radius + 3, strong=candidate.id == selected)
+        sign = (places.marks.dug or {}).get(candidate.label)
+        name = str(candidate.label) if sign is None else f"{candidate.label} [{sign}]"
+        labels.write(name, centre, radius + 3, strong=candidate.id == selected)
     name_pins(labels, [pair for pair in pins if pair not in chosen], radius + 3)

@@ -28,6 +28,7 @@ class Marks:
     candidates: Sequence[Candidate] = ()
     decisions: Mapping[int, Decision] | None = None
     selected: int | None = None
+    dug: Mapping[int, str] | None = None  # by the leak's number: the sign of what a dig showed
 
     def verdict(self, candidate: Candidate) -> Verdict:
         """Return the verdict on a candidate."""

@@ -166,11 +166,14 @@ def test_chainage_and_coordinates_become_an_offset_from_the_statement(control, s
 
 
 def test_a_leak_found_elsewhere_is_marked_confirmed_and_dug_in_one_step(control, session):
+    marked = []
+    control.marked.connect(marked.append)
     control.toggle()
     press(control, "dig_missed")
     fill(control.page.form._chainage, "71")
     press(control, "dig_save")
     mark = next(row for row in session.rows() if row.manual)
+    assert marked[-1] == {mark.candidate.label: "!"}  # what list and plan are told
     assert mark.candidate.chainage_m == pytest.approx(71.0, abs=0.01)
     assert mark.decision.verdict is Verdict.CONFIRMED
     found = on_disc(session)[mark.candidate.label]
