@@ -6,10 +6,10 @@ from typing import Any
 
 from processing import messages
 from processing.reporting.content import ReportContent
-from processing.reporting.dig_sheet import NOTE_CHARACTERS, verdict_word
+from processing.reporting.dig_sheet import NOTE_CHARACTERS, dug_lines, verdict_word
 from processing.reporting.summary import LIBRARIES, version
 from processing.reporting.words import Words
-from processing.review_facts import LoggedDecision
+from processing.review_facts import DigResult, LoggedDecision
 from processing.settings import Settings
 from processing.survey import Decision
 
@@ -34,6 +34,7 @@ def appendix(content: ReportContent, words: Words) -> dict[str, Any]:
         ],
         "log": [log_row(entry, words) for entry in log[-LOG_AT_MOST:]],
         "log_more": words("log_more", count=len(log) - LOG_AT_MOST) if len(log) > LOG_AT_MOST else "",
+        "digs": [dig_row(content.record.digs[number], words) for number in sorted(content.record.digs)],
         "photos": photo_rows(content, words),
     }
 
@@ -103,6 +104,19 @@ def change(before: Decision, after: Decision, words: Words) -> str:
     if before.note != after.note:
         parts.append(words("note_is", note=words.shortened(after.note, 60)) if after.note else words("note_removed"))
     return "; ".join(parts) or verdict_word(after.verdict, words)
+
+
+def dig_row(dug: DigResult, words: Words) -> list[str]:
+    """Return one dig: leak, day, what was found, how far off, whether the window that was stated then held it."""
+    low, high, at = dug.stated_low95_m, dug.stated_high95_m, dug.stated_chainage_m
+    held = words("not_known")
+    if low is not None and high is not None and at is not None and dug.off_along_m is not None:
+        held = words("dig_inside" if low <= at + dug.off_along_m <= high else "dig_outside")
+    window = words.span(low, high) if low is not None and high is not None else words("not_known")
+    told = dug_lines(dug, words)
+    found = words("dig_missed") if dug.missed else told["finding"]
+    note = " · ".join(part for part in (told["cause"], words.shortened(dug.note, 80)) if part)
+    return [str(dug.number), told["date"], found, told["off"] or "–", window, held, note]
 
 
 def photo_rows(content: ReportContent, words: Words) -> list[list[str]]:

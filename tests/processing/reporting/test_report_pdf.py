@@ -134,6 +134,16 @@ def test_the_appendix_tells_who_decided_and_how_to_make_the_run_again(report, re
     assert f'"run": "{results.run_hash}"' in page
 
 
+@pytest.mark.parametrize(("off_m", "words"), [(0.9, "yes"), (-1.2, "NO")])
+def test_the_appendix_says_whether_the_window_of_then_held_the_leak(results, off_m, words):
+    stated = {"stated_chainage_m": 42.0, "stated_low95_m": 41.0, "stated_high95_m": 43.0}
+    dug = DigResult(1, DigFinding.LEAK, "2026-05-09", off_m, **stated)
+    data = page_data(make_content(results, DECIDED, ReviewRecord(digs={1: dug})))
+    way = "onward" if off_m > 0 else "back to the launch"
+    (row,) = data["appendix"]["digs"]
+    assert row == ["1", "9 May 2026", "leak", f"{abs(off_m):.2f} m {way}", "41.0 – 43.0 m", words, ""]
+
+
 def test_nothing_stands_across_the_pages_of_a_finished_report(report):
     assert not any("DRAFT" in text for text in report.pages)
 
