@@ -262,14 +262,6 @@ class ReviewControl(QObject):
         """Move the cursor ten seconds forward."""
         self._session.cursor.move_by(10.0)
 
-    def zoom_in(self) -> None:
-        """Show half of it."""
-        self._session.cursor.zoom(0.5)
-
-    def zoom_out(self) -> None:
-        """Show twice as much."""
-        self._session.cursor.zoom(2.0)
-
     def fit(self) -> None:
         """Show the whole run."""
         self._session.cursor.fit()

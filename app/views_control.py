@@ -11,6 +11,7 @@ from app.page_panels import PagePanels
 from app.services import Services
 from app.view_memory import ViewMemory
 from app.view_menus import ViewMenus
+from app.view_zoom import ViewZoom
 
 if TYPE_CHECKING:
     from app.main_window import MainWindow
@@ -27,6 +28,7 @@ class ViewsControl(QObject):
         self._page, self._preferences = page, preferences
         self.measure = MeasureControl(session, page, self)
         self.follow = FollowControl(session.cursor, window.player, page, preferences, self)
+        self.zoom = ViewZoom(session.cursor, page, self)
         self.panels = PagePanels(page, preferences, self)
         self.screen = FullScreen(window, self.panels)
         self.menus = ViewMenus(window, self.panels)

@@ -221,6 +221,10 @@ class LinkedPlot(PlotFrame):
             self._cursor.set_time(self.time_of_pixel(place.x()))
             self._cursor.clear_selection()
 
+    def zoom_vertical(self, factor: float) -> None:
+        """Multiply the span of the vertical axis by ``factor``, about its middle."""
+        self._zoom_vertical(factor, self.plot_rect().center())
+
     def _point_at(self, place: QPointF) -> None:
         """Take the candidate or the moment that a menu opens on; a selection that it may be about stays."""
         candidate_id = self.candidate_at(place)

@@ -203,3 +203,32 @@ def test_the_tab_in_front_is_remembered_for_each_page(open_window, services):
     assert window.review_page.tools.is_in_front("why")
     window.show_page("sound")
     assert window.review_page.tools.is_in_front("bands")
+
+
+def test_keys_zoom_and_pan_the_view_in_front_as_the_wheel_does(open_window, services):
+    window, cursor = open_window("path"), services.session.cursor
+    plan, spectrogram = window.review_page.path, window.review_page.spectrogram
+    whole = cursor.x_range
+    before = plan.plan_scale
+    press(window, KEY.Key_Z)
+    assert plan.plan_scale.pixels_per_m == pytest.approx(2.0 * before.pixels_per_m)
+    assert cursor.x_range == whole
+    place = plan.plan_scale.centre_m
+    press(window, KEY.Key_PageDown, MODIFIER.ShiftModifier)
+    press(window, KEY.Key_Up, MODIFIER.ShiftModifier)
+    assert plan.plan_scale.centre_m[0] > place[0]
+    assert plan.plan_scale.centre_m[1] > place[1]
+    window.show_page("sound")
+    press(window, KEY.Key_Z)
+    low, high = cursor.x_range
+    assert high - low == pytest.approx(0.5 * (whole[1] - whole[0]))
+    now_s = cursor.time_s
+    press(window, KEY.Key_PageDown, MODIFIER.ShiftModifier)
+    assert cursor.x_range[0] == pytest.approx(min(low + 0.5 * (high - low), whole[1] - (high - low)))
+    assert cursor.time_s == now_s
+    hz = spectrogram.frequency_range
+    press(window, KEY.Key_Z, MODIFIER.ShiftModifier)
+    narrow = spectrogram.frequency_range
+    assert hz[0] < narrow[0] < narrow[1] < hz[1]
+    press(window, KEY.Key_X, MODIFIER.ShiftModifier)
+    assert spectrogram.frequency_range == pytest.approx(hz)
