@@ -492,6 +492,22 @@
         <translation>İş arkadaşının görüşleri…</translation>
     </message>
     <message>
+        <source>Pan back</source>
+        <translation>Geriye kaydır</translation>
+    </message>
+    <message>
+        <source>Pan forward</source>
+        <translation>İleriye kaydır</translation>
+    </message>
+    <message>
+        <source>Pan plan north</source>
+        <translation>Planı kuzeye kaydır</translation>
+    </message>
+    <message>
+        <source>Pan plan south</source>
+        <translation>Planı güneye kaydır</translation>
+    </message>
+    <message>
         <source>Panels…</source>
         <translation>Paneller…</translation>
     </message>
@@ -676,8 +692,20 @@
         <translation>Bir şey yazılmadan önce raporun her sayfasını olacağı gibi gösterir</translation>
     </message>
     <message>
-        <source>Show half of it, around the cursor (wheel, or two fingers; with Ctrl up and down only)</source>
-        <translation>İmlecin çevresinde yarısını gösterir (tekerlek ya da iki parmak; Ctrl ile yalnız yukarı-aşağı)</translation>
+        <source>Show half a view of what lies after, or east on the plan; the cursor stays (Shift and wheel)</source>
+        <translation>Yarım görünüm sonrasını, planda doğuyu gösterir; imleç yerinde kalır (Shift ve tekerlek)</translation>
+    </message>
+    <message>
+        <source>Show half a view of what lies before, or west on the plan; the cursor stays (Shift and wheel)</source>
+        <translation>Yarım görünüm öncesini, planda batıyı gösterir; imleç yerinde kalır (Shift ve tekerlek)</translation>
+    </message>
+    <message>
+        <source>Show half of it, or of the plan if that is in front (wheel, two fingers)</source>
+        <translation>Yarısını gösterir; plan öndeyse planın yarısını (tekerlek, iki parmak)</translation>
+    </message>
+    <message>
+        <source>Show half of the frequencies, or of the values of the plot in front (Ctrl and wheel)</source>
+        <translation>Frekansların ya da öndeki çizimin değerlerinin yarısını gösterir (Ctrl ve tekerlek)</translation>
     </message>
     <message>
         <source>Show more of what is quiet</source>
@@ -708,8 +736,12 @@
         <translation>Bütün ölçümü gösterir (çift tıklama; bir kaçağın üstünde oraya gider)</translation>
     </message>
     <message>
-        <source>Show twice as much, around the cursor (wheel, or two fingers; Shift and wheel pans)</source>
-        <translation>İmlecin çevresinde iki katını gösterir (tekerlek ya da iki parmak; Shift ve tekerlek kaydırır)</translation>
+        <source>Show twice as many frequencies, or values of the plot in front (Ctrl and wheel)</source>
+        <translation>Frekansların ya da öndeki çizimin değerlerinin iki katını gösterir (Ctrl ve tekerlek)</translation>
+    </message>
+    <message>
+        <source>Show twice as much, or of the plan if that is in front (wheel, two fingers)</source>
+        <translation>İki katını gösterir; plan öndeyse planın iki katını (tekerlek, iki parmak)</translation>
     </message>
     <message>
         <source>Show what speaks for and against a leak here, or the list again</source>
@@ -820,6 +852,14 @@
         <translation>Neden kaçak</translation>
     </message>
     <message>
+        <source>With the plan in front, show what lies to the north</source>
+        <translation>Plan öndeyken kuzeyde ne varsa onu gösterir</translation>
+    </message>
+    <message>
+        <source>With the plan in front, show what lies to the south</source>
+        <translation>Plan öndeyken güneyde ne varsa onu gösterir</translation>
+    </message>
+    <message>
         <source>Write a note; it is saved as you type. Enter ends it</source>
         <translation>Not yazın; yazdıkça kaydedilir. Enter bitirir</translation>
     </message>
@@ -836,8 +876,16 @@
         <translation>Yakınlaştır</translation>
     </message>
     <message>
+        <source>Zoom in up and down</source>
+        <translation>Dikeyde yakınlaştır</translation>
+    </message>
+    <message>
         <source>Zoom out</source>
         <translation>Uzaklaştır</translation>
+    </message>
+    <message>
+        <source>Zoom out up and down</source>
+        <translation>Dikeyde uzaklaştır</translation>
     </message>
 </context>
 <context>
@@ -1004,12 +1052,12 @@
         <translation>Kaçak adayları</translation>
     </message>
     <message>
-        <source>Leaks have not been looked for yet.</source>
-        <translation>Kaçaklar henüz aranmadı.</translation>
+        <source>Leaks have not been looked for yet: process the recording first.</source>
+        <translation>Kaçaklar henüz aranmadı: önce kaydı işleyin.</translation>
     </message>
     <message>
-        <source>No candidate fits the filter.</source>
-        <translation>Süzgece uyan aday yok.</translation>
+        <source>No candidate fits the filter. Choose All above.</source>
+        <translation>Süzgece uyan aday yok. Yukarıdan Hepsi seçeneğini seçin.</translation>
     </message>
     <message>
         <source>No leak candidates were found. M marks one by hand at the cursor.</source>
@@ -1050,8 +1098,8 @@
         <translation>Kanal, ham ve süzülmüş</translation>
     </message>
     <message>
-        <source>Nothing to show here</source>
-        <translation>Burada gösterilecek bir şey yok</translation>
+        <source>Nothing to show here: choose another channel</source>
+        <translation>Burada gösterilecek bir şey yok: başka bir kanal seçin</translation>
     </message>
     <message>
         <source>Reading …</source>
@@ -1135,8 +1183,8 @@
 <context>
     <name>ClockPanel</name>
     <message>
-        <source>No blow was found that both felt: there is nothing to see.</source>
-        <translation>İkisinin de duyduğu bir darbe bulunamadı: gösterilecek bir şey yok.</translation>
+        <source>No blow was found that both felt. Next time knock five times at both ends.</source>
+        <translation>İkisinin de duyduğu bir vuruş bulunamadı. Bir dahaki sefere iki uçta beşer kez vurun.</translation>
     </message>
 </context>
 <context>
@@ -2207,7 +2255,7 @@
     <name>DigPage</name>
     <message>
         <source>Back</source>
-        <translation type="unfinished"></translation>
+        <translation>Geri</translation>
     </message>
     <message>
         <source>Digs</source>
@@ -2453,8 +2501,8 @@
         <translation>Kimse kullanmıyor: yine de aç</translation>
     </message>
     <message>
-        <source>Not processed yet.</source>
-        <translation>Henüz işlenmedi.</translation>
+        <source>Not processed yet: press Process.</source>
+        <translation>Henüz işlenmedi: İşle düğmesine basın.</translation>
     </message>
     <message>
         <source>Open read-only</source>
@@ -2931,8 +2979,8 @@
         <translation>Hareket sensörü</translation>
     </message>
     <message>
-        <source>No motion data</source>
-        <translation>Hareket verisi yok</translation>
+        <source>No motion data: the data page says why</source>
+        <translation>Hareket verisi yok: nedeni veri sayfasında</translation>
     </message>
     <message>
         <source>Reading …</source>
@@ -3074,8 +3122,8 @@
         <translation>Boru boyunca düzey</translation>
     </message>
     <message>
-        <source>No level yet</source>
-        <translation>Henüz düzey yok</translation>
+        <source>No level yet: process the recording first</source>
+        <translation>Henüz düzey yok: önce kaydı işleyin</translation>
     </message>
     <message>
         <source>background</source>
@@ -3604,8 +3652,8 @@
         <translation>K</translation>
     </message>
     <message>
-        <source>No path yet</source>
-        <translation>Henüz yol yok</translation>
+        <source>No path yet: process the recording first</source>
+        <translation>Henüz yol yok: önce kaydı işleyin</translation>
     </message>
     <message>
         <source>Path from above</source>
@@ -4126,8 +4174,8 @@
         <translation>Yükseklik profili</translation>
     </message>
     <message>
-        <source>No path yet</source>
-        <translation>Henüz yol yok</translation>
+        <source>No path yet: process the recording first</source>
+        <translation>Henüz yol yok: önce kaydı işleyin</translation>
     </message>
     <message>
         <source>elevation ({unit})</source>
@@ -4638,7 +4686,7 @@ bir daha</translation>
     <name>RepeatPage</name>
     <message>
         <source>Back</source>
-        <translation type="unfinished"></translation>
+        <translation>Geri</translation>
     </message>
     <message>
         <source>Change</source>
@@ -4717,11 +4765,11 @@ bir daha</translation>
     </message>
     <message>
         <source>feet of this survey</source>
-        <translation>bu ölçümün fit'i</translation>
+        <translation>fit (bu ölçüme göre)</translation>
     </message>
     <message>
         <source>metres of this survey</source>
-        <translation>bu ölçümün metresi</translation>
+        <translation>metre (bu ölçüme göre)</translation>
     </message>
 </context>
 <context>
@@ -4779,7 +4827,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Go to the next undecided</source>
-        <translation>Sonraki kararsıza git</translation>
+        <translation>Karar bekleyene git</translation>
     </message>
     <message>
         <source>Language of the report</source>
@@ -5460,8 +5508,8 @@ bir daha</translation>
         <translation>Hz</translation>
     </message>
     <message>
-        <source>No sound</source>
-        <translation>Ses yok</translation>
+        <source>No sound: the data page says why</source>
+        <translation>Ses yok: nedeni veri sayfasında</translation>
     </message>
     <message>
         <source>auto</source>
@@ -5794,8 +5842,8 @@ bir daha</translation>
 <context>
     <name>StripsView</name>
     <message>
-        <source>No motion data</source>
-        <translation>Hareket verisi yok</translation>
+        <source>No motion data: the data page says why</source>
+        <translation>Hareket verisi yok: nedeni veri sayfasında</translation>
     </message>
 </context>
 <context>
@@ -6195,7 +6243,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Contrast and colours</source>
-        <translation type="unfinished"></translation>
+        <translation>Kontrast ve renkler</translation>
     </message>
     <message>
         <source>Measure</source>
@@ -6203,11 +6251,11 @@ bir daha</translation>
     </message>
     <message>
         <source>Selection</source>
-        <translation type="unfinished"></translation>
+        <translation>Seçim</translation>
     </message>
     <message>
         <source>View</source>
-        <translation type="unfinished"></translation>
+        <translation>Görünüm</translation>
     </message>
 </context>
 <context>
