@@ -368,7 +368,7 @@ class FilesControl(QObject):
         fresh = results is not None and (results.survey, results.settings) == present
         state = self.tr("The results are up to date.") if fresh else self.tr("Form or tie points have changed.")
         if results is None:
-            state = self.tr("Not processed yet.")
+            state = self.tr("Not processed yet: press Process.")
         self._page.set_process(
             self.tr("Process again") if results is not None else self.tr("Process"),
             enabled=session.folder is not None,

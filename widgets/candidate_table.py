@@ -275,8 +275,10 @@ class CandidateTable(QWidget):
         rows = self.model.rows
         found_none = self.tr("No leak candidates were found. M marks one by hand at the cursor.")
         if self.tools.filtered:
-            found_none = self.tr("No candidate fits the filter.")
-        self._empty.setText(found_none if searched else self.tr("Leaks have not been looked for yet."))
+            found_none = self.tr("No candidate fits the filter. Choose All above.")
+        self._empty.setText(
+            found_none if searched else self.tr("Leaks have not been looked for yet: process the recording first.")
+        )
         self._empty.setVisible(not rows)
         self._table.setVisible(bool(rows))
 

@@ -85,7 +85,7 @@ class ChannelView(StripsView):
         self._loader.stop()
 
     def _hint(self) -> str:
-        return self.tr("Reading …") if self._loader.busy else self.tr("Nothing to show here")
+        return self.tr("Reading …") if self._loader.busy else self.tr("Nothing to show here: choose another channel")
 
     def _value_lines(self, strip: Strip) -> list[tuple[str, str]]:
         """Return each curve's label above its value: beside the narrow panel there is no room for both in one line."""

@@ -30,7 +30,9 @@ class ClockPanel(QWidget):
     def show_clock(self, words: str, picture: ClockPicture | None) -> None:
         """Say this and show the picture; None shows none."""
         self._words.setText(words)
-        self.view.show_picture(picture, self.tr("No blow was found that both felt: there is nothing to see."))
+        self.view.show_picture(
+            picture, self.tr("No blow was found that both felt. Next time knock five times at both ends.")
+        )
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""

@@ -81,7 +81,7 @@ class ImuView(StripsView):
         self._arrange()
 
     def _hint(self) -> str:
-        return self.tr("Reading …") if self._loader.busy else self.tr("No motion data")
+        return self.tr("Reading …") if self._loader.busy else self.tr("No motion data: the data page says why")
 
     def _take(self, signals: Signals) -> None:
         self._signals = signals

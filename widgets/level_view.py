@@ -84,7 +84,7 @@ class LevelView(CurvePlot):
 
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._level is None:
-            self._paint_hint(painter, rect, self.tr("No level yet"))
+            self._paint_hint(painter, rect, self.tr("No level yet: process the recording first"))
             return
         self._paint_stems(painter, rect)
         names = (

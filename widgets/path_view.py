@@ -291,7 +291,8 @@ class PathView(PlanHand):
         painter.setFont(self._theme.font())
         if self._path is None:
             painter.setPen(QColor(self._theme.text))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self.tr("No path yet"))
+            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            painter.drawText(self.rect(), flags, self.tr("No path yet: process the recording first"))
         self._paint_pins_and_marks(painter)
         paint_scale_bar(painter, self._theme, self._scale)
         paint_north(painter, self._theme, self._scale, self.tr("N"))

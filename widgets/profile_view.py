@@ -69,7 +69,7 @@ class ProfileView(CurvePlot):
 
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._up is None:
-            self._paint_hint(painter, rect, self.tr("No path yet"))
+            self._paint_hint(painter, rect, self.tr("No path yet: process the recording first"))
 
     def _tie_height(self, tie: TiePoint, rect: QRectF) -> float | None:
         return None if tie.up_m is None else min(max(self.y_of(self._factor * tie.up_m), rect.top()), rect.bottom())

@@ -336,7 +336,7 @@ class SoundPicture(LinkedPlot):
 
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
         if self._source is None:
-            self._paint_hint(painter, rect, self.tr("No sound"))
+            self._paint_hint(painter, rect, self.tr("No sound: the data page says why"))
         elif self.hidden_share > MOST_HIDDEN:
             self._paint_hidden(painter, rect)
 

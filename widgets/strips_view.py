@@ -101,7 +101,7 @@ class StripsView(CurvePlot):
 
     def _hint(self) -> str:
         """Return what is said where there is no strip."""
-        return self.tr("No motion data")
+        return self.tr("No motion data: the data page says why")
 
     def _set_strips(self, strips: Sequence[Strip]) -> None:
         self._strips = tuple(strips[:MOST_STRIPS])

@@ -48,6 +48,6 @@ def test_a_pair_whose_sound_is_late_lies_above_the_line_of_zero(panel):
 def test_without_any_pair_it_says_so(panel):
     panel.show_clock("Nothing was found.", clock_picture(ClockFit(ClockMap())))
     assert panel.words == "Nothing was found."
-    assert "nothing to see" in panel.view._hint
+    assert "No blow was found" in panel.view._hint
     panel.apply_theme(DARK)
     assert panel.view.grab().toImage().pixelColor(2, 2) == QColor(DARK.background)
