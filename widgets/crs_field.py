@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import (
-    QAbstractItemView,
     QHBoxLayout,
     QLabel,
     QLineEdit,
@@ -18,7 +17,7 @@ from PySide6.QtWidgets import (
 from processing.importing.route_files.crs import CrsEntry, search
 from widgets.units import quantities
 
-ROW_HEIGHT = 40
+ROW_HEIGHT = 52  # room for two lines
 SHOWN = 60
 CODE = Qt.ItemDataRole.UserRole
 
@@ -51,7 +50,8 @@ class CrsField(QWidget):
         self._list.setObjectName("crs_list")
         self._list.setAccessibleName(self.tr("Coordinate systems"))
         self._list.setMinimumHeight(3 * ROW_HEIGHT)
-        self._list.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self._list.setWordWrap(True)
+        self._list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._list.itemClicked.connect(self._take)
         self._list.itemActivated.connect(self._take)
         self._change = QPushButton(self.tr("Change…"))

@@ -110,6 +110,10 @@ class HandoverForm(QWidget):
         self.crs.set_choices(entries, fixed, recent, near)
         self.crs.set_crs(self._crs)
 
+    def set_narrow(self, *, narrow: bool) -> None:
+        """Put the boxes below each other, or two abreast."""
+        self._place_boxes(across=1 if narrow else 2)
+
     # --- building ---
 
     def _kinds(self) -> tuple[tuple[FileKind, str], ...]:
@@ -145,12 +149,10 @@ class HandoverForm(QWidget):
 
     def _lay_out(self) -> None:
         files = QGroupBox(self.tr("Files for others"))
-        grid = QGridLayout(files)
-        for i, box in enumerate(self._boxes.values()):
-            grid.addWidget(box, i // 2, i % 2)
-        rows = (len(self._boxes) + 1) // 2
-        grid.addWidget(self._zip, rows, 0, 1, 2)
-        grid.addLayout(self._all_or_none(), rows + 1, 0, 1, 2)
+        self._grid = QGridLayout(files)
+        self._place_boxes(across=2)
+        self._grid.addWidget(self._zip, len(self._boxes), 0, 1, 2)
+        self._grid.addLayout(self._all_or_none(), len(self._boxes) + 1, 0, 1, 2)
         places = QGroupBox(self.tr("Coordinate system of the map files"))
         column = QVBoxLayout(places)
         column.addWidget(self._local)
@@ -168,6 +170,10 @@ class HandoverForm(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         for group in (files, places, tables):
             layout.addWidget(group)
+
+    def _place_boxes(self, across: int) -> None:
+        for i, box in enumerate(self._boxes.values()):
+            self._grid.addWidget(box, i // across, i % across)
 
     def _all_or_none(self) -> QHBoxLayout:
         row = QHBoxLayout()

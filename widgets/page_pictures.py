@@ -53,6 +53,8 @@ class _Page(PaintedWidget):
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         left, top = (self.width() - size.width()) // 2, (self.height() - size.height()) // 2
         painter.drawPixmap(left, top, size.width(), size.height(), self._picture)
+        painter.setPen(self.palette().mid().color())  # a white page on a white window would have no end
+        painter.drawRect(left, top, size.width() - 1, size.height() - 1)
 
 
 class PagePictures(QWidget):

@@ -4,7 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
+    QBoxLayout,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -27,6 +29,7 @@ from widgets.report_words import ExportOutcome, ReportPreview, ReportWords
 
 ROW_HEIGHT = 44
 LIST_ROWS = 3
+NARROW = 820  # pixels: less than both columns need
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,32 @@ class PastExport:
     name: str
     text: str
     has_report: bool
+
+
+class _Choices(QScrollArea):
+    """Scrolls up and down; or is as high as what is in it, where the whole page scrolls."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._whole = False
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setSizeAdjustPolicy(QScrollArea.SizeAdjustPolicy.AdjustToContents)
+
+    def set_whole(self, *, whole: bool) -> None:
+        if whole != self._whole:
+            self._whole = whole
+            bar = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if whole else Qt.ScrollBarPolicy.ScrollBarAsNeeded
+            self.setVerticalScrollBarPolicy(bar)
+            self.updateGeometry()
+
+    def minimumSizeHint(self) -> QSize:
+        """Qt: the smallest size."""
+        inside = self.widget()
+        if not self._whole or inside is None:
+            return super().minimumSizeHint()
+        return QSize(super().minimumSizeHint().width(), inside.sizeHint().height())
 
 
 class ReportPanel(QWidget):
@@ -88,6 +117,7 @@ class ReportPanel(QWidget):
         self._undecided = self._button(
             "next_undecided", self.tr("Go to the next undecided"), ROW_HEIGHT, self.undecided_asked.emit
         )
+        self._scroll = _Choices()
         self._preview: ReportPreview | None = None
         self._past: tuple[PastExport, ...] = ()
         self._outcome: ExportOutcome | None = None
@@ -173,6 +203,15 @@ class ReportPanel(QWidget):
         """Return the preview as plain text."""
         return self._told.toPlainText()
 
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: another size; in little room the choices stand above what they do, without a bar of their own."""
+        super().resizeEvent(event)
+        narrow = event.size().width() < NARROW
+        across, down = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.BottomToTop
+        self._row.setDirection(down if narrow else across)
+        self._scroll.set_whole(whole=narrow)
+        self.form.set_narrow(narrow=narrow)
+
     # --- inside ---
 
     def _button(self, name: str, text: str, height: int, slot: Callable[[], None]) -> QPushButton:
@@ -200,22 +239,18 @@ class ReportPanel(QWidget):
         column.addWidget(QLabel(self.tr("Exports so far")))
         column.addWidget(self._exports)
         column.addStretch(1)
-        scroll = QScrollArea()
-        scroll.setWidget(inside)
-        scroll.setWidgetResizable(True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._scroll.setWidget(inside)
         side = QVBoxLayout()
-        side.addWidget(scroll, 1)
+        side.addWidget(self._scroll, 1)
         for widget in (self._see, self._export, self._progress, self._cancel):
             side.addWidget(widget)
         opening = QHBoxLayout()
         for button in (self._read, self._open):
             opening.addWidget(button, 1)
         side.addLayout(opening)
-        layout = QHBoxLayout(self)
-        layout.addLayout(left, 3)
-        layout.addLayout(side, 2)
+        self._row = QHBoxLayout(self)
+        self._row.addLayout(left, 3)
+        self._row.addLayout(side, 2)
 
     def _tell(self) -> None:
         """Fill the list: what is chosen has changed, or what became of it is known."""

@@ -112,8 +112,18 @@ def test_gloves_hit_everything(qtbot):
     assert not [(w.objectName(), w.height()) for w in targets if w.height() < 40]
 
 
-def test_an_export_writes_what_is_ticked_and_says_what_was_left_out_and_why(application, opened, qtbot):
+def test_a_cancelled_export_leaves_nothing_the_next_writes_what_is_ticked_and_tells_the_rest(
+    application, opened, qtbot
+):
     window = application.window
+    click(window, "export")
+    assert window.report_panel.findChild(QPushButton, "cancel_export").isVisible()
+    assert not window.report_panel.findChild(QPushButton, "export").isVisible()
+    click(window, "cancel_export")
+    qtbot.waitUntil(lambda: not application.services.jobs.running, timeout=A_DEADLINE)
+    assert window.report_panel.findChild(QPushButton, "export").isVisible()
+    assert list(opened.folder.exports_dir.iterdir()) == []
+    assert window.report.last_export is None
     form = window.report_panel.form
     click(window, "no_files")
     for name in ("file_kml", "file_geopackage", "file_as_zip"):
@@ -136,21 +146,15 @@ def test_an_export_writes_what_is_ticked_and_says_what_was_left_out_and_why(appl
     assert window.report_panel.findChild(QPushButton, "open_report").isVisible()
 
 
-def test_a_cancelled_export_leaves_nothing(application, opened, qtbot):
+def test_systems_of_the_launch_are_offered_and_pages_are_shown_and_turned_by_key(application, opened, qtbot):
     window = application.window
-    click(window, "export")
-    assert window.report_panel.findChild(QPushButton, "cancel_export").isVisible()
-    assert not window.report_panel.findChild(QPushButton, "export").isVisible()
-    click(window, "cancel_export")
-    qtbot.waitUntil(lambda: not application.services.jobs.running, timeout=A_DEADLINE)
-    assert window.report_panel.findChild(QPushButton, "export").isVisible()
-    assert list(opened.folder.exports_dir.iterdir()) == []
-    assert window.report.last_export is None
-
-
-def test_the_pages_are_shown_and_turned_by_key(application, opened, qtbot):
-    window = application.window
+    launch = Launch(latitude=40.9012, longitude=29.1)
+    opened.results = replace(opened.results, survey=replace(opened.results.survey, launch=launch))
     window.report.preview()
+    systems = window.report_panel.form.crs.findChild(QListWidget, "crs_list")
+    qtbot.waitUntil(lambda: systems.count() > 20, timeout=A_DEADLINE)
+    assert "EPSG:32635" in systems.item(0).text()
+    assert any("TUREF" in systems.item(row).text() for row in range(systems.count()))
     pages = window.report_panel.pages
     qtbot.waitUntil(lambda: pages.current == 1, timeout=A_DEADLINE)
     QTest.keyClick(pages, Qt.Key.Key_PageDown)
@@ -179,15 +183,3 @@ def test_the_draft_warning_leads_to_what_is_undecided_and_goes_with_the_last(app
     opened.write_decision(ids[-1], Decision(Verdict.REJECTED), "decide")
     window.show_page("report")
     assert not button.isVisible()
-
-
-def test_with_a_known_launch_the_systems_of_its_place_are_offered(application, opened, qtbot):
-    launch = Launch(latitude=40.9012, longitude=29.1)
-    opened.results = replace(opened.results, survey=replace(opened.results.survey, launch=launch))
-    window = application.window
-    window.show_page("report")
-    field = window.report_panel.form.crs
-    systems = field.findChild(QListWidget, "crs_list")
-    qtbot.waitUntil(lambda: systems.count() > 20, timeout=A_DEADLINE)
-    assert "EPSG:32635" in systems.item(0).text()
-    assert any("TUREF" in systems.item(row).text() for row in range(systems.count()))
