@@ -8,11 +8,11 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QFrame,
-    QGridLayout,
     QHBoxLayout,
     QHeaderView,
     QLabel,
     QPushButton,
+    QScrollArea,
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from processing.survey import Decision, Verdict
+from widgets.flow_layout import FlowLayout
 from widgets.plot_theme import Theme
 from widgets.quiet_combo import QuietCombo
 from widgets.vocabulary import class_text, verdict_icon, verdict_text
@@ -87,24 +88,31 @@ class DifferencesPanel(QWidget):
         self._fill()
 
     def _lay_out(self) -> None:
-        top = QHBoxLayout()
+        top, foot = FlowLayout(), FlowLayout()
         for widget in (self._back, self._reviewer, self._filter, self._import):
             top.addWidget(widget)
-        top.addStretch(1)
-        sides = QGridLayout()
-        sides.setSpacing(8)
-        for column, side in enumerate(self._sides):
-            sides.addWidget(side, 0, column)
-            sides.setColumnStretch(column, 1)
-        sides.addWidget(self._keep, 1, 0)
-        sides.addWidget(self._take, 1, 1)
-        layout = QVBoxLayout(self)
+        for button in (self._keep, self._open, self._take):
+            foot.addWidget(button)
+        sides = QHBoxLayout()
+        for side in self._sides:
+            sides.addWidget(side, 1)
+        content = QWidget()
+        layout = QVBoxLayout(content)
         layout.setContentsMargins(8, 8, 8, 8)
         layout.addLayout(top)
         layout.addWidget(self._agreement)
         layout.addWidget(self._table, 1)
         layout.addLayout(sides)
-        layout.addWidget(self._open)
+        layout.addLayout(foot)
+        area = QScrollArea()  # on a low screen with large letters not all of it has room
+        area.setWidget(content)
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        whole = QVBoxLayout(self)
+        whole.setContentsMargins(0, 0, 0, 0)
+        whole.addWidget(area)
 
     def _make_table(self) -> QTableWidget:
         table = QTableWidget(0, 4)
@@ -122,6 +130,7 @@ class DifferencesPanel(QWidget):
         table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         table.horizontalHeader().setStretchLastSection(True)
         table.currentCellChanged.connect(lambda *_cells: self._show_current())
+        table.setMinimumHeight(4 * ROW_HEIGHT)
         table.installEventFilter(self)
         return table
 

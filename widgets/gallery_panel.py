@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import QRect, QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
-    QHBoxLayout,
     QLabel,
     QPushButton,
     QScrollArea,
@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 
 from processing.survey import Verdict
 from widgets.candidate_row import CandidateRow
+from widgets.flow_layout import FlowLayout
 from widgets.gallery_cells import WIDTHS
 from widgets.gallery_grid import GalleryGrid
 from widgets.gallery_pictures import GallerySound
@@ -26,6 +27,7 @@ from widgets.units import quantities
 from widgets.vocabulary import verdict_icon
 
 BUTTON_HEIGHT = 48
+LOW_SCREEN = 420  # pixels: lower than this, the pictures need the room
 
 
 class GalleryPanel(QWidget):
@@ -43,6 +45,7 @@ class GalleryPanel(QWidget):
         self.grid = GalleryGrid(theme)
         self._told = QLabel()
         self._told.setObjectName("gallery_count")
+        self._told.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._legend = QLabel()
         self._legend.setWordWrap(True)
         self._legend.setTextFormat(Qt.TextFormat.PlainText)
@@ -85,17 +88,13 @@ class GalleryPanel(QWidget):
         self._area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._area.verticalScrollBar().setSingleStep(40)
         QScroller.grabGesture(self._area.viewport(), QScroller.ScrollerGestureType.TouchGesture)
-        top = QHBoxLayout()
-        for widget in (self._back, self._order, self._filter):
+        top, foot = FlowLayout(), FlowLayout()
+        for widget in (self._back, self._order, self._filter, self._told, self._smaller, self._larger):
             top.addWidget(widget)
-        top.addWidget(self._told, 1)
-        top.addWidget(self._smaller)
-        top.addWidget(self._larger)
-        foot = QHBoxLayout()
         for verdict in (Verdict.CONFIRMED, Verdict.REJECTED, Verdict.UNSURE, Verdict.NONE):
-            foot.addWidget(self._verdicts[verdict], 1)
-        foot.addWidget(self._loop, 1)
-        foot.addWidget(self._open, 1)
+            foot.addWidget(self._verdicts[verdict])
+        for button in (self._loop, self._open):
+            foot.addWidget(button)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 4)
         layout.setSpacing(4)
@@ -108,6 +107,8 @@ class GalleryPanel(QWidget):
     def _button(self, name: str, text: str, call) -> QPushButton:  # type: ignore[no-untyped-def]  # noqa: ANN001
         button = QPushButton(text)
         button.setObjectName(name)
+        button.setAccessibleName(text)
+        button.setToolTip(text)
         button.setMinimumHeight(44)
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # the keys stay with the grid
         button.clicked.connect(lambda _checked=False: call())
@@ -164,8 +165,9 @@ class GalleryPanel(QWidget):
     def show_sound(self, sound: GallerySound | None, db_range: tuple[float, float]) -> None:
         """Read the pictures from this sound, and say what all of them show alike."""
         self.grid.set_sound(sound)
-        self._legend.setVisible(sound is not None)
         if sound is None:
+            self._legend.clear()
+            self._legend.hide()
             return
         words = quantities()
         low, high = (words.number(level, 0) for level in db_range)
@@ -182,12 +184,23 @@ class GalleryPanel(QWidget):
                 "Strokes at the sides: band. Curve: level over the background, dashed: threshold."
             )
         self._legend.setText(text.format(half=half, low=low, high=high))
+        self._legend.setToolTip(self._legend.text())
+        self._legend.setVisible(self.height() >= LOW_SCREEN)
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""
         self.grid.apply_theme(theme)
         for verdict, button in self._verdicts.items():
             button.setIcon(verdict_icon(theme, verdict, 28))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: on a low screen the legend gives way to the pictures, and the buttons say their keys alone."""
+        super().resizeEvent(event)
+        low = self.height() < LOW_SCREEN
+        self._legend.setVisible(bool(self._legend.text()) and not low)
+        for button in (self._back, self._filter, self._loop, self._open, *self._verdicts.values()):
+            text = button.accessibleName()
+            button.setText(text.split("  ")[0] if low else text)
 
     def _show_sizes(self) -> None:
         self._smaller.setEnabled(self.grid.width_index > 0)

@@ -7,7 +7,6 @@ from PySide6.QtCore import QEvent, QObject, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QImage, QKeyEvent, QMouseEvent, QPainter, QPixmap
 from PySide6.QtWidgets import (
     QDialog,
-    QGridLayout,
     QLabel,
     QLineEdit,
     QListView,
@@ -18,6 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from widgets.flow_layout import FlowLayout
 from widgets.painted_widget import PaintedWidget
 
 STRIP_PX = 88
@@ -109,10 +109,9 @@ class PhotoPanel(QWidget):
         self._paste.clicked.connect(self.paste_asked)
         self._large.clicked.connect(self.show_large)
         self._remove.clicked.connect(self._on_remove)
-        buttons = QGridLayout()
-        buttons.setSpacing(6)
-        for place, button in enumerate((self._attach, self._paste, self._large, self._remove)):
-            buttons.addWidget(button, place // 2, place % 2)
+        buttons = FlowLayout()
+        for button in (self._attach, self._paste, self._large, self._remove):
+            buttons.addWidget(button)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(6)
