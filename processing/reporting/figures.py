@@ -120,8 +120,9 @@ def level_excerpt(content: ReportContent, row: LeakRow, words: Words, size: tupl
     drawing.axes(frame, chainage_label(words), words("axis_level"), scales=scales)
 
     def draw() -> None:
-        left, right = frame.x(row.candidate.chainage_low95_m), frame.x(row.candidate.chainage_high95_m)
-        drawing.rectangle(left, frame.top, right - left, frame.height, INTERVAL, 0.3)
+        if np.isfinite(row.interval_m):
+            left, right = frame.x(row.candidate.chainage_low95_m), frame.x(row.candidate.chainage_high95_m)
+            drawing.rectangle(left, frame.top, right - left, frame.height, INTERVAL, 0.3)
         _curve(drawing, frame, chainage, along.background_db[near], SOFT, 0.9, "3 2")
         _curve(drawing, frame, chainage, along.threshold_db[near], THRESHOLD, 0.8, "1 2")
         _curve(drawing, frame, chainage, levels, PATH_COLOUR, 1.3, None)
