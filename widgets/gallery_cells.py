@@ -24,6 +24,7 @@ _PAD = 6
 _MARK_RADIUS = 8.0
 _LOW_DB = -3.0  # lower end of the level curves
 _TICK_M = 4.0
+_LONG_NAME, _LONG_PLACE = "M888", "88888.8 m ± 88.8 m"
 _BRACKET = 0.16  # of the picture's height
 
 
@@ -39,11 +40,17 @@ class CellShape:
 
     @classmethod
     def of(cls, width: int, theme: Theme) -> "CellShape":
-        """Return the shape of a cell that is at least ``width`` wide and takes its texts."""
-        line = theme.metrics().height()
-        width = max(width, math.ceil(theme.metrics().horizontalAdvance("M888  8888.8 m ± 88.8 m") * 1.08) + 40)
+        """Return the shape of a cell that is at least ``width`` wide and takes its texts.
+
+        A narrow one has its place below its name: neither the place nor its ± is ever cut.
+        """
+        metrics = theme.metrics()
+        line = metrics.height()
+        place_width = math.ceil(1.06 * metrics.horizontalAdvance(_LONG_PLACE))
+        width = max(width, place_width + 2 * _PAD)
+        one_line = width >= place_width + metrics.horizontalAdvance(_LONG_NAME) + 2 * _PAD + 5 * _MARK_RADIUS
         inner = width - 2 * _PAD
-        head = QRectF(_PAD, _PAD - 2, inner, line + 6)
+        head = QRectF(_PAD, _PAD - 2, inner, line + 6 if one_line else 2 * line + 8)
         picture = QRectF(_PAD, head.bottom() + 2, inner, round(0.52 * inner))
         level = QRectF(_PAD, picture.bottom() + 3, inner, round(0.14 * inner + 8))
         foot = QRectF(_PAD, level.bottom() + 2, inner, line + 4)
@@ -102,20 +109,23 @@ def paint_cell(
 
 
 def _paint_head(painter: QPainter, theme: Theme, rect: QRectF, row: CandidateRow) -> None:
-    centre = QPointF(rect.left() + _MARK_RADIUS + 3, rect.center().y())
+    two_lines = rect.height() > 1.6 * theme.metrics().height()
+    first = rect.adjusted(0, 0, 0, -rect.height() / 2.0) if two_lines else rect
+    centre = QPointF(rect.left() + _MARK_RADIUS + 3, first.center().y())
     paint_verdict(painter, theme, row.decision.verdict, centre, _MARK_RADIUS)
     bold = QFont(theme.font())
     bold.setBold(True)
     painter.setFont(bold)
     painter.setPen(QColor(theme.text))
-    text = rect.adjusted(2 * _MARK_RADIUS + 12, 0, 0, 0)
     align = Qt.AlignmentFlag.AlignVCenter
-    used = painter.boundingRect(text, align | Qt.AlignmentFlag.AlignLeft, row.name)
-    painter.drawText(text, align | Qt.AlignmentFlag.AlignLeft, row.name)
+    left = 2 * _MARK_RADIUS + 12
+    painter.drawText(first.adjusted(left, 0, 0, 0), align | Qt.AlignmentFlag.AlignLeft, row.name)
     painter.setFont(theme.font())
-    room = text.adjusted(used.width() + 8, 0, 0, 0)
-    told = theme.metrics().elidedText(place(row), Qt.TextElideMode.ElideRight, room.width())
-    painter.drawText(room, align | Qt.AlignmentFlag.AlignRight, told)
+    if two_lines:
+        second = rect.adjusted(0, rect.height() / 2.0, 0, 0)
+        painter.drawText(second, align | Qt.AlignmentFlag.AlignLeft, place(row))
+    else:
+        painter.drawText(first, align | Qt.AlignmentFlag.AlignRight, place(row))
 
 
 def _paint_sound(

@@ -214,4 +214,7 @@ class GalleryPanel(QWidget):
             self.open_asked.emit(self._selected.candidate.id)
 
     def _reveal(self, rect: QRect) -> None:
-        self._area.ensureVisible(rect.center().x(), rect.center().y(), 0, rect.height() // 2)
+        if rect.height() > self._area.viewport().height():  # its head and its picture first
+            self._area.verticalScrollBar().setValue(rect.top())
+        else:
+            self._area.ensureVisible(rect.center().x(), rect.center().y(), 0, rect.height() // 2)
