@@ -270,12 +270,12 @@ def english_among(texts, translate, messages):
 def test_nothing_in_the_turkish_window_stays_english(open_window, translate, messages):
     texts = set(shown_texts(open_window("tr")))
     assert english_among(texts, translate, messages) == set()
-    assert {"Onayla", "Veri", "karar bekliyor", "Klasörden rapora", "Anlamı", "16 bit", "Enlem (°)"} <= texts
+    assert {"Onayla", "Veri", "karar bekliyor", "İçindekiler", "Anlamı", "16 bit", "Enlem (°)"} <= texts
 
 
 def test_the_same_search_finds_the_english_of_an_english_window(open_window, translate, messages):
     found = english_among(set(shown_texts(open_window("en"))), translate, messages)
-    wanted = {"Confirm", "Data", "undecided", "From folder to report", "Meaning", "At (m)", "mark by hand"}
+    wanted = {"Confirm", "Data", "undecided", "Contents", "Meaning", "At (m)", "mark by hand"}
     assert wanted <= found
     assert len(found) > 200
 
