@@ -17,6 +17,7 @@ from processing.reporting.files import whole_path
 from processing.reporting.handover.layers import Feature, Layer, Layers
 from processing.reporting.handover.outcome import Written
 from processing.reporting.handover.system import for_drawing
+from processing.reporting.handover.thinning import thinned
 from processing.reporting.handover.words import HandoverWords
 from processing.survey import FloatArray
 
@@ -41,6 +42,7 @@ POINT_LAYERS = {LEAKS: 1, NO_LEAKS: 8, REFERENCES: 94, PATH: 5, CHAINAGE: 250, A
 LEAK_BLOCK, REFERENCE_BLOCK = "LEAKLINE_LEAK", "LEAKLINE_REFERENCE"
 SHOWN_TAGS = {"ID": 0, "NAME": 0, "CHAINAGE": 1}  # the others are there to be asked for
 LABELLED_EVERY_M = 50.0
+PATH_TOLERANCE_M = 0.01  # a vertex each half metre makes a drawing slow
 
 
 def write_drawing(path: Path, layers: Layers, title: str, words: HandoverWords) -> Written:
@@ -93,7 +95,7 @@ def _add_path(space: "Modelspace", layer: Layer, lines: list[FloatArray], text: 
     if not lines:
         return
     whole = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
-    space.add_polyline3d(whole.tolist(), dxfattribs={"layer": PATH})
+    space.add_polyline3d(thinned(whole, PATH_TOLERANCE_M * text / TEXT_M).tolist(), dxfattribs={"layer": PATH})
     every = max(1, round(LABELLED_EVERY_M * len(lines) / max(_metres(layer), 1.0)))
     columns = {column.key: column for column in layer.columns}
     for feature, points in list(zip(layer.features, lines, strict=True))[every - 1 :: every]:
