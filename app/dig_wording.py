@@ -71,7 +71,16 @@ class DigWording(QObject):
             stated = "–"
         name = row.name if row is not None else f"L{number}"
         day = told.day(result.date)
-        return DigLine(number, name, stated, self.finding(result.finding), self.off(result), self.held(result), day)
+        off = self._arrow(result)
+        return DigLine(number, name, stated, self.finding(result.finding), off, self.held(result), day)
+
+    def _arrow(self, result: DigResult) -> str:
+        """Return how far off it was found, the direction as an arrow: for a column."""
+        off = result.off_along_m
+        if off is None:
+            return ""
+        length = quantities().length(abs(off))
+        return length if round(off, 2) == 0.0 else f"{length} ▶" if off > 0.0 else f"◀ {length}"
 
     def held(self, result: DigResult) -> Held:
         """Return whether the stated interval held, the tape considered."""

@@ -144,7 +144,7 @@ class DigForm(QWidget):
         tape.addLayout(directions)
         unit = units.length_unit().sign
         form = QFormLayout()
-        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.DontWrapRows)
+        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
         form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
         self._form = form
         for title, field in (
@@ -157,7 +157,7 @@ class DigForm(QWidget):
             (self.tr("Depth ({unit})").format(unit=unit), self._depth),
             (self.tr("Flow ({unit})").format(unit=units.flow_unit().sign), self._flow),
             (self.tr("Cause"), self._cause),
-            (self.tr("Day of the dig"), self._date),
+            (self.tr("Day of the dig"), self._day()),
             (self.tr("Dug by"), self._crew),
             (self.tr("Note"), self._note),
         ):
@@ -180,6 +180,24 @@ class DigForm(QWidget):
         layout.addWidget(scrolled(fields), 1)
         layout.addWidget(self._told)  # what follows, and the buttons, are always in sight
         layout.addLayout(buttons)
+
+    def _day(self) -> QWidget:
+        """Return the day between buttons for the day before and after: the calendar's arrow is nothing for a glove."""
+        day = QWidget()
+        row = QHBoxLayout(day)
+        row.setContentsMargins(0, 0, 0, 0)
+        for sign, days, name in (("−", -1, self.tr("A day earlier")), ("+", 1, self.tr("A day later"))):
+            button = self._button(sign, f"dig_day_{days}")
+            button.setFixedWidth(HEIGHT)
+            button.setAccessibleName(name)
+            button.setToolTip(name)
+            button.setAutoRepeat(True)
+            button.clicked.connect(
+                lambda _checked=False, step=days: self._date.setDate(self._date.date().addDays(step))
+            )
+            row.addWidget(button)
+        row.insertWidget(1, self._date, 1)
+        return day
 
     # --- content ---
 
@@ -370,5 +388,5 @@ def scrolled(widget: QWidget) -> QScrollArea:
     area.setWidget(widget)
     area.setWidgetResizable(True)
     area.setFrameShape(QFrame.Shape.NoFrame)
-    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
     return area

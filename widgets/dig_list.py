@@ -56,6 +56,9 @@ class DigList(QTableWidget):
                 self.tr("Dug on"),
             ]
         )
+        off = QTableWidgetItem(self.tr("Off by"))
+        off.setToolTip(self.tr("▶ away from the launch, ◀ towards it"))
+        self.setHorizontalHeaderItem(3, off)
         self.setAccessibleName(self.tr("Digs of this survey"))
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)

@@ -1,10 +1,14 @@
 """The page of digs: what was found, leak by leak, and what all digs on this computer say of the stated intervals."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from widgets.dig_form import HEIGHT, DigForm, scrolled
 from widgets.dig_list import DigList
+
+NARROW = 820  # pixels: less is not enough for two columns
+FORM_HEIGHT, LIST_HEIGHT = 480, 180
 
 
 class DigPage(QWidget):
@@ -56,10 +60,20 @@ class DigPage(QWidget):
         left.addWidget(self._widen)
         left.addLayout(files)
         self.form.setMinimumWidth(420)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(8, 8, 8, 6)
-        layout.addLayout(left, 3)
-        layout.addWidget(self.form, 2)
+        self._columns = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
+        self._columns.setContentsMargins(8, 8, 8, 6)
+        self._columns.addLayout(left, 3)
+        self._columns.addWidget(self.form, 2)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Qt: in a narrow window, or with large letters, the form stands over the list."""
+        super().resizeEvent(event)
+        narrow = self.width() < NARROW
+        direction = QBoxLayout.Direction.BottomToTop if narrow else QBoxLayout.Direction.LeftToRight
+        if direction != self._columns.direction():
+            self._columns.setDirection(direction)
+            self.form.setMinimumHeight(FORM_HEIGHT if narrow else 0)
+            self.list.setMinimumHeight(LIST_HEIGHT if narrow else 0)
 
     def _button(self, text: str, name: str, signal: object) -> QPushButton:
         button = QPushButton(text)

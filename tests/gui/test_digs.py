@@ -95,7 +95,7 @@ def test_what_was_found_is_on_disc_with_the_statement_as_it_stood(control, sessi
     assert found.run_id == session.run.id
     assert found.stated_score == pytest.approx(session.row(session.selected).candidate.score)
     (line,) = (line for line in control._words.lines(session, control.ledger.results) if line.number == 2)
-    assert (line.held, line.off) == (Held.INSIDE, "0.6 m away from launch ▶")
+    assert (line.held, line.off) == (Held.INSIDE, "0.6 m ▶")
 
 
 def test_towards_the_launch_is_a_button_not_a_minus(control, session):
