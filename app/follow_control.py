@@ -79,7 +79,12 @@ class FollowControl(QObject):
     def _is_met(self) -> bool:
         """Return whether the playback has come by what is shown, so that following on makes no jump."""
         at = self._part()
-        return abs(at - 0.5) < _NEAR if self.mode is Follow.CENTRE else 0.0 <= at <= 1.0
+        return abs(at - 0.5) < _NEAR if self._mode_now is Follow.CENTRE else 0.0 <= at <= 1.0
+
+    @property
+    def _mode_now(self) -> Follow:
+        """How the views follow just now: what is heard in a loop is shown whole, and shall not glide to and fro."""
+        return Follow.PAGE if self._player.looping and self.mode is Follow.CENTRE else self.mode
 
     def _part(self) -> float:
         """Return where the cursor stands in the view, 0 at its left edge and 1 at its right one."""
@@ -89,9 +94,9 @@ class FollowControl(QObject):
     def _follow(self) -> None:
         at = self._part()
         low, high = self._cursor.x_range
-        if self.mode is Follow.CENTRE:
+        if self._mode_now is Follow.CENTRE:
             by = (at - 0.5) * (high - low)
-        elif self.mode is Follow.PAGE and not 0.0 <= at <= 1.0:
+        elif self._mode_now is Follow.PAGE and not 0.0 <= at <= 1.0:
             by = (at - ENTERS_AT) * (high - low)
         else:
             by = 0.0
@@ -110,8 +115,9 @@ class FollowControl(QObject):
         self._span = high - low
         if self._moving or not self._player.playing or self.mode is Follow.NONE:
             return
-        if self.mode is Follow.PAGE or not zoomed:
-            pause = self.mode is Follow.CENTRE or not 0.0 <= self._part() <= 1.0
+        centred = self._mode_now is Follow.CENTRE
+        if not (centred and zoomed):
+            pause = centred or not 0.0 <= self._part() <= 1.0
             if pause != self.paused:
                 self.paused = pause
                 self._show()

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor, QPainter, QPen
 from widgets.plot_paint import paint_tag
 from widgets.plot_theme import Theme
 
-REACH_PIXELS = 14.0  # at which an end can be taken hold of: a finger in a glove
+REACH_PIXELS = 20.0  # within which an end can be taken hold of: a finger in a glove
 _TICK = 7.0
 
 

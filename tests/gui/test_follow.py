@@ -17,7 +17,7 @@ class Tape(QObject):
     """Plays by moving the cursor, as the player does."""
 
     played_on, stopped = Signal(), Signal()
-    moves_cursor = False
+    moves_cursor = looping = False
 
     def __init__(self, cursor):
         super().__init__()
@@ -99,6 +99,14 @@ def test_with_the_cursor_in_the_middle_the_view_glides_and_stays_centred_at_any_
     tape.play(1.0)
     assert part(cursor) == pytest.approx(0.5, abs=0.01)
     assert not follow.paused
+
+
+def test_a_loop_that_is_shown_whole_does_not_make_the_view_glide(cursor, tape, follow):
+    choose(follow, Follow.CENTRE)
+    tape.looping = True
+    cursor.set_range(140.0, 200.0)
+    tape.play(40.0)
+    assert cursor.range_s == (140.0, 200.0)
 
 
 def test_without_following_nothing_moves(cursor, tape, follow):
