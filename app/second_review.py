@@ -12,6 +12,7 @@ from app.page_host import PageHost
 from app.review_commands import Decide
 from app.services import Services
 from processing.agreement import FEW, Agreement, agreement, differences
+from processing.errors import LeaklineError
 from processing.storage.colleague import Colleague, matched, read_colleague, sums_of
 from processing.storage.opinions import reviewer_name
 from processing.storage.review import LogEntry
@@ -130,6 +131,9 @@ class SecondReview(QObject):
 
     def show_enabled(self, actions_by_id: "Mapping[str, QAction]") -> None:
         """Switch off, during a second review, what would show or change what the first said."""
+        if self._session.results is None:
+            for name in ("second_review", "differences", "opinions_import"):
+                actions_by_id[name].setEnabled(False)
         if self._session.reviewer:
             for name in BLIND_OFF:
                 actions_by_id[name].setEnabled(False)
@@ -159,7 +163,11 @@ class SecondReview(QObject):
         if session.folder is None:
             return
         candidates = [row.candidate for row in session.rows()]
-        found = matched(colleague, sums_of(session.folder), candidates)
+        try:
+            found = matched(colleague, sums_of(session.folder), candidates)
+        except LeaklineError as error:
+            self._window.boxes.error(error)
+            return
         names = ", ".join(found.opinions)
         session.push(TakeOpinions(session, self.tr("opinions of {name}").format(name=names), found.opinions))
         self._chosen = next(iter(found.opinions))

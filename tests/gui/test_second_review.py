@@ -13,7 +13,7 @@ from app.review_commands import Decide, DecideMany, Mark, WriteNote
 from app.survey_session import SurveySession
 from processing.errors import ErrorCode
 from processing.storage.folder import SurveyFolder
-from processing.survey import Decision, LeakClass, Verdict
+from processing.survey import Decision, LeakClass, Run, Survey, Verdict
 from widgets.reviewer_dialog import ReviewerDialog
 
 KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
@@ -261,3 +261,20 @@ def test_another_survey_or_a_copy_without_opinions_is_told(qtbot, window, servic
     window.work.second.import_from(services.session.folder.path)
     qtbot.waitUntil(lambda: not services.jobs.running)
     assert window.boxes.told == [ErrorCode.OPINIONS_NONE]
+    with SurveyFolder.create(tmp_path / "other", Survey(), []) as other:
+        run = other.review.add_run(Run(0, "", "h"), [candidate(0, 55.0, 0.5)])
+        other.opinions.give(run.candidates[0].label, "Cem", NO)
+        path = other.path
+    window.work.second.import_from(path)
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    assert window.boxes.told[-1] is ErrorCode.OPINIONS_OTHER_SURVEY
+    assert services.session.folder.opinions.opinions() == ()
+
+
+def test_without_results_there_is_nothing_to_review_twice(window, services):
+    assert window.actions_by_id["second_review"].isEnabled()
+    path = services.session.folder.path
+    services.session.close()
+    services.session.open(SurveyFolder.open(path))
+    for name in ("second_review", "differences", "opinions_import"):
+        assert not window.actions_by_id[name].isEnabled()
