@@ -53,7 +53,7 @@ CONTEXT = {
     "recording": "recording",
     "settings": "settings",
     "digs": "digs",
-    "runs": "repeat-runs",
+    "repeat": "repeat-runs",
 }
 
 PLACEHOLDER = re.compile(r"\{(key|action|keys|gestures):([a-z0-9_]+)\}")

@@ -12,19 +12,18 @@ from PySide6.QtGui import QAction
 from app.appearance import theme_named
 from app.dig_control import DigControl
 from app.gallery_control import GalleryControl
+from app.guide_control import GuideControl
 from app.list_control import ListControl
 from app.mark_control import MarkControl
-from app.appearance import theme_named
-from app.guide_control import GuideControl
 from app.page_host import PageHost
 from app.photo_control import PhotoControl
 from app.second_review import SecondReview
 from app.repeat_control import RepeatControl
 from app.services import Services
+from app.views_control import ViewsControl
 from app.settings_control import SettingsControl
 from app.start_control import StartControl
 from app.tour_control import TourControl
-from app.views_control import ViewsControl
 from widgets.plot_theme import Theme
 
 if TYPE_CHECKING:
@@ -48,14 +47,6 @@ class Workplace(QObject):
         self.repeat = RepeatControl(services, host, language, window)
         self.repeat.told.connect(self.told)
         self.repeat.open_asked.connect(window.files.open_path)
-        table, toast = window.review_page.table, window.review_page.toast
-        self.list = ListControl(services.session, table, services.preferences, window)
-        self.marks = MarkControl(services.session, window.player, self)
-        self.list.autoplay_changed.connect(window.review.set_autoplay)
-        self.list.report_asked.connect(window.show_report)
-        window.review.set_autoplay(on=self.list.autoplay)
-        for told in (window.review.told, self.list.told, self.marks.told):
-            told.connect(toast.tell)
         self.settings = SettingsControl(
             host, services.preferences, language, window, lambda: window.boxes, lambda: window.is_busy
         )
@@ -64,17 +55,26 @@ class Workplace(QObject):
         self.settings.theme_asked.connect(window.use_theme)
         self.settings.restart_asked.connect(window.restart_asked)
         theme = theme_named(services.preferences.values.theme)
+        table, toast = window.review_page.table, window.review_page.toast
+        self.list = ListControl(services.session, table, services.preferences, window)
+        self.marks = MarkControl(services.session, window.player, self)
+        self.list.autoplay_changed.connect(window.review.set_autoplay)
+        self.list.report_asked.connect(window.show_report)
+        window.review.set_autoplay(on=self.list.autoplay)
+        for told in (window.review.told, self.list.told, self.marks.told):
+            told.connect(toast.tell)
         self.guide = GuideControl(window, services.session, language, theme)
         self.start = StartControl(window, services.session, services.jobs, services.preferences)
         self.tour = TourControl(window, services.preferences)
         host.stack.currentChanged.connect(lambda _row: self.tour.moved())
+        self.settings.hints_asked.connect(self.tour.offer)
 
         self.photos = PhotoControl(window, services, language)
         self.photos.told.connect(self.told)
         self.digs.photo_asked.connect(self.photos.attach)
         self.second = SecondReview(window, services, host, theme_named(services.preferences.values.theme))
         self.second.told.connect(self.told)
-        self.gallery = GalleryControl(window, services, host, theme_named(services.preferences.values.theme))
+        self.gallery = GalleryControl(window, services, host, theme)
 
     def show_enabled(self, actions_by_id: Mapping[str, QAction]) -> None:
         """Switch off what makes no sense on the page in front."""
@@ -90,20 +90,20 @@ class Workplace(QObject):
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw everything in this theme."""
+        self.guide.apply_theme(theme)
         self.gallery.apply_theme(theme)
         self.repeat.apply_theme(theme)
         self.second.apply_theme(theme)
-        self.guide.apply_theme(theme)
 
     def stop(self) -> None:
         """Leave no work behind: the window closes."""
         self.views.stop()
+        self.list.stop()
+        self._window.review_page.toast.stop()
+        self.guide.stop()
+        self.start.stop()
+        self.tour.stop()
         self.digs.stop()
         self.repeat.stop()
         self.gallery.stop()
         self.photos.stop()
-        self.guide.stop()
-        self.start.stop()
-        self.tour.stop()
-        self.list.stop()
-        self._window.review_page.toast.stop()

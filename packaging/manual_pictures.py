@@ -78,6 +78,11 @@ def _pictures(window: MainWindow) -> dict[str, Callable[[], QWidget]]:
 
         return show
 
+    def path() -> QWidget:
+        window.show_page("path")
+        window.review.fit()
+        return window
+
     def ties() -> QWidget:
         window.work.guide.show_ties()
         return window
@@ -108,12 +113,13 @@ def _pictures(window: MainWindow) -> dict[str, Callable[[], QWidget]]:
 
     return {
         "data": page("data"),
-        "path": page("path"),
+        "path": path,
         "ties": ties,
         "sound": page("sound"),
         "lights": lights,
         "leaks": leaks,
         "gallery": tool(window.work.gallery.show),
+        "digs": tool(window.work.digs.toggle),
         "report": page("report"),
         "settings": tool(window.work.settings.show),
         "correlator": tool(window.correlator.show),

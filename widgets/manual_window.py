@@ -116,6 +116,7 @@ class ManualWindow(QDialog):
         close = self._button(self.tr("Close"), "manual_close", self.close)
         self._lay_out(close)
         for key, call in (
+            ("Backspace", self.back),  # in the field it takes a letter away, as everywhere
             ("Alt+Left", self.back),
             ("Alt+Right", self.forward),
             ("Ctrl+F", self._search.setFocus),

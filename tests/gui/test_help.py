@@ -66,6 +66,10 @@ def test_links_are_followed_and_gone_back_from(window):
     assert not window.findChild(QPushButton, "manual_back").isEnabled()
     QTest.mouseClick(window.findChild(QPushButton, "manual_forward"), LEFT)
     assert window.page == "lights"
+    window.activateWindow()
+    window.show_page("path")
+    QTest.keyClick(window._browser, Qt.Key.Key_Backspace)
+    assert window.page == "lights"
     window.show_page("report")  # a new way: what lay ahead is forgotten
     assert not window.findChild(QPushButton, "manual_forward").isEnabled()
 
@@ -177,6 +181,11 @@ def test_the_tour_is_offered_once_takes_no_keyboard_and_is_called_again_by_key(a
     assert tour.shown is None
     tour.offer()
     assert tour.shown is None
+    window.work.settings.show()
+    QTest.mouseClick(window.findChild(QPushButton, "show_hints"), LEFT)
+    assert tour.shown is not None
+    bubble.close_bubble()
+    window.work.start.show()
     # five hints stand beside visible widgets and cover none of them
     window.activateWindow()
     window.actions_by_id["tour"].trigger()
