@@ -13,7 +13,7 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QIcon, QResizeEvent
+from PySide6.QtGui import QIcon, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -236,6 +236,12 @@ class CandidateTable(QWidget):
         table.selectionModel().currentRowChanged.connect(self._on_current)
         return table
 
+    def showEvent(self, event: QShowEvent) -> None:
+        """Qt: bring what was selected meanwhile into view."""
+        super().showEvent(event)
+        if self._table.currentIndex().isValid():
+            self._table.scrollTo(self._table.currentIndex())
+
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Qt: in a narrow list the columns that can be read elsewhere give way; the verdict stays as its mark."""
         super().resizeEvent(event)
@@ -298,7 +304,8 @@ class CandidateTable(QWidget):
             index = self.model.index(ids.index(candidate_id), 0)
             flags = QItemSelectionModel.SelectionFlag
             self._table.selectionModel().setCurrentIndex(index, flags.ClearAndSelect | flags.Rows)
-            self._table.scrollTo(index)
+            if self.isVisible():  # a hidden table would measure all its rows for this, with each verdict in the gallery
+                self._table.scrollTo(index)
         else:
             self._table.selectionModel().clear()
         self._quiet = False
