@@ -40,7 +40,7 @@ STRETCH_LAYERS = {
 }  # layer, AutoCAD colour, line weight in 1/100 mm
 POINT_LAYERS = {LEAKS: 1, NO_LEAKS: 8, REFERENCES: 94, PATH: 5, CHAINAGE: 250, ABOUT: 7}
 LEAK_BLOCK, REFERENCE_BLOCK = "LEAKLINE_LEAK", "LEAKLINE_REFERENCE"
-SHOWN_TAGS = {"ID": 0, "NAME": 0, "CHAINAGE": 1}  # the others are there to be asked for
+SHOWN = {"id": 0, "reference_name": 0, "chainage": 1}  # column key: line; the others are there to be asked for
 LABELLED_EVERY_M = 50.0
 PATH_TOLERANCE_M = 0.01  # a vertex each half metre makes a drawing slow
 
@@ -123,7 +123,7 @@ def _add_blocks(drawing: "Drawing", layer: Layer, places: list[FloatArray], name
     _draw_mark(block, text, leak=name == LEAK_BLOCK)
     for i, column in enumerate(layer.columns):
         tag = column.name.upper()
-        shown = SHOWN_TAGS.get(column.key.upper() if column.key == "chainage" else tag)
+        shown = SHOWN.get(column.key)
         row = shown if shown is not None else 2 + i
         attribute = block.add_attdef(
             tag,
@@ -136,7 +136,9 @@ def _add_blocks(drawing: "Drawing", layer: Layer, places: list[FloatArray], name
         told = {c.name.upper(): _text(feature, i) for i, c in enumerate(layer.columns)}
         on = REFERENCES if name == REFERENCE_BLOCK else NO_LEAKS if _is_no_leak(layer, feature) else LEAKS
         place = tuple(float(v) for v in points[0])
-        drawing.modelspace().add_blockref(name, place, dxfattribs={"layer": on}).add_auto_attribs(told)
+        mark = drawing.modelspace().add_blockref(name, place, dxfattribs={"layer": on}).add_auto_attribs(told)
+        for written in mark.attribs:
+            written.dxf.layer = on  # else its words stay when the layer is switched off
 
 
 def _draw_mark(block: "BlockLayout", text: float, *, leak: bool) -> None:

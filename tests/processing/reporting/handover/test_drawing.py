@@ -8,7 +8,7 @@ import pytest
 from handover_reading import expected_place
 
 from processing.quantities import METRES_PER_US_FOOT, Units
-from processing.reporting.options import FileKind
+from processing.reporting.options import ColumnScheme, FileKind
 from processing.survey import Launch
 
 NEW_YORK = (-73.99, 40.75)
@@ -39,9 +39,18 @@ def test_leaks_are_blocks_in_their_place_with_all_attributes(hand_over, decision
         assert float(insert.get_attrib_text("CHAINAGE_M")) == chainage
     assert found[1].get_attrib_text("NOTE") == decisions[1].note
     assert found[17].get_attrib_text("SCORE") == ""
+    assert [a.dxf.tag for a in found[2].attribs if not a.is_invisible] == ["ID", "CHAINAGE_M"]
     assert found[1].dxf.layer == "LEAKLINE_NO_LEAKS"
     assert read.layers.get("LEAKLINE_NO_LEAKS").is_off()
     assert found[2].dxf.layer == "LEAKLINE_LEAKS"
+    assert all({a.dxf.layer for a in insert.attribs} == {insert.dxf.layer} for insert in found.values())
+
+
+def test_under_the_names_of_asset_systems_number_and_distance_are_shown_too(hand_over):
+    folder, _ = hand_over(FileKind.DXF, columns=ColumnScheme.ASSET)
+    inserts = [e for e in drawing(folder).modelspace().query("INSERT") if e.dxf.name == "LEAKLINE_LEAK"]
+    for insert in inserts:
+        assert [a.dxf.tag for a in insert.attribs if not a.is_invisible] == ["LEAK_ID", "LEAK_DISTANCE"]
 
 
 def test_the_pipe_is_drawn_by_status_from_end_to_end(hand_over):

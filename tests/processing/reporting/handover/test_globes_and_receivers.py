@@ -94,6 +94,16 @@ def test_pins_are_coloured_hidden_and_dated_by_the_day(hand_over):
     assert "<b>42,00</b>" in balloon
 
 
+def test_the_kmls_elements_stand_in_the_order_of_its_schema(hand_over):
+    # ogckml22.xsd, the type of a feature
+    order = ["name", "visibility", "description", "TimeStamp", "styleUrl", "ExtendedData", "Point", "LineString"]
+    folder, _ = hand_over(FileKind.KML)
+    root = ET.parse(folder / "survey.kml").getroot()
+    for mark in root.findall(".//k:Placemark", KML):
+        places = [order.index(child.tag.split("}")[1]) for child in mark]
+        assert places == sorted(places)
+
+
 def test_a_simulated_survey_says_so_on_every_pin(hand_over, surveyed):
     info = replace(surveyed.survey.info, simulated=True)
     changed = replace(surveyed, survey=replace(surveyed.survey, info=info))
