@@ -13,7 +13,7 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QIcon, QResizeEvent, QShowEvent
+from PySide6.QtGui import QHideEvent, QIcon, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -236,9 +236,15 @@ class CandidateTable(QWidget):
         table.selectionModel().currentRowChanged.connect(self._on_current)
         return table
 
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Qt: measure no rows that nobody sees; of a hidden list all would be asked with each verdict."""
+        super().hideEvent(event)
+        self._table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
+
     def showEvent(self, event: QShowEvent) -> None:
         """Qt: bring what was selected meanwhile into view."""
         super().showEvent(event)
+        self._table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         if self._table.currentIndex().isValid():
             self._table.scrollTo(self._table.currentIndex())
 
@@ -304,7 +310,7 @@ class CandidateTable(QWidget):
             index = self.model.index(ids.index(candidate_id), 0)
             flags = QItemSelectionModel.SelectionFlag
             self._table.selectionModel().setCurrentIndex(index, flags.ClearAndSelect | flags.Rows)
-            if self.isVisible():  # a hidden table would measure all its rows for this, with each verdict in the gallery
+            if self.isVisible():
                 self._table.scrollTo(index)
         else:
             self._table.selectionModel().clear()
