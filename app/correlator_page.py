@@ -125,6 +125,7 @@ class CorrelatorPage(QWidget):
         self.band_high = OptionalNumber(2.0, 100_000.0)
         for field in (self.band_low, self.band_high):
             field.setMaximumWidth(76)
+            field.setAccessibleName(self.tr("Band (Hz)"))
         self.auto_band = self._button(self.tr("Auto band"), self.tr("Use the frequencies in which both hear the same"))
         self.hum = QCheckBox(self.tr("No hum"))
         self.hum.setToolTip(self.tr("Leave out narrow tones: mains hum, pumps"))
@@ -136,6 +137,7 @@ class CorrelatorPage(QWidget):
         self.bend.setChecked(True)
         self.reference = OptionalNumber(1.0, 20_000.0, hint=self.tr("?"))
         self.reference.setMaximumWidth(70)
+        self.reference.setAccessibleName(self.tr("speeds hold at (Hz)"))
         self.reference.setToolTip(self.tr("At which frequency the speeds of the sections hold; empty: not known"))
         for check in (self.hum, self.resonances, self.bend):
             check.setMinimumHeight(_BUTTON_HEIGHT)
@@ -144,6 +146,8 @@ class CorrelatorPage(QWidget):
         self.peak_name.setMinimumHeight(_BUTTON_HEIGHT)
         self.peak_name.setMaxLength(60)
         self.peak_name.setMinimumWidth(80)
+        self.peak_name.setAccessibleName(self.peak_name.placeholderText())
+        self.peak_name.setToolTip(self.peak_name.placeholderText())
         self.suppress = self._button(self.tr("Take peak out"), self.tr("Remove the chosen peak and show the next"))
         self.restore = self._button(self.tr("Put back"), self.tr("Put back the peak that was taken out last"))
         self.restore.setEnabled(False)
@@ -182,7 +186,7 @@ class CorrelatorPage(QWidget):
         area.setWidget(inner)
         area.setWidgetResizable(True)
         area.setFrameShape(QFrame.Shape.NoFrame)
-        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
         area.setMinimumWidth(inner.minimumSizeHint().width() + area.verticalScrollBar().sizeHint().width() + 4)
         return area
 

@@ -57,7 +57,7 @@ class DataPage(QWidget):
         scroll.setWidget(self.form)
         scroll.setWidgetResizable(True)
         scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
         self._tabs = QTabWidget()
         self._tabs.addTab(scroll, self.tr("Form"))
         self._tabs.addTab(self.tie_points, self.tr("Tie points"))

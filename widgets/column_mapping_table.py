@@ -62,6 +62,7 @@ class ColumnMappingTable(QWidget):
         self._names: tuple[str, ...] = ()
         self._quiet = False
         self._table = QTableWidget(0, 4)
+        self._table.setTabKeyNavigation(False)  # Tab leads on; arrows go about the cells
         self._table.setHorizontalHeaderLabels(
             [self.tr("Column"), self.tr("First rows"), self.tr("Meaning"), self.tr("Unit")]
         )

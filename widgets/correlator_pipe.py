@@ -29,6 +29,8 @@ class SectionRow(QWidget):
         self.material = QuietCombo()
         for key, name in names:
             self.material.addItem(name, key)
+        self.material.currentTextChanged.connect(self.material.setToolTip)  # a long name is cut in its narrow column
+        self.material.setToolTip(self.material.currentText())
         self.material.setMinimumSize(92, 40)
         self.material.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.diameter = OptionalNumber(0.005, 5.0, factor=_MM)
@@ -114,6 +116,7 @@ class PipeTable(QWidget):
         self._add = QPushButton(self.tr("Add section"))
         self._remove = QPushButton(self.tr("Remove last"))
         self.distance = OptionalNumber(0.01, 20_000.0, hint=self.tr("not measured"))
+        self.distance.setAccessibleName(self.tr("A to B (m)"))
         self.distance.setToolTip(self.tr("The whole distance from A to B as measured: a check of the sections"))
         self.distance.value_changed.connect(self.changed)
         buttons = QHBoxLayout()

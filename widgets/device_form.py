@@ -71,7 +71,7 @@ class DeviceForm(QWidget):
         self.search.clicked.connect(self.search_asked)
         form = QFormLayout(self)
         form.setContentsMargins(0, 0, 0, 0)
-        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.DontWrapRows)
+        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
         form.addRow(self.tr("Sound"), self._sound)
         form.addRow("", _row(self._rate, self._channels))
         form.addRow(self.tr("IMU"), _row(self._kind, self._protocol))

@@ -100,6 +100,7 @@ class DigForm(QWidget):
         self._cause = self._combo(self.tr("Cause"), editable=True)
         self._crew = self._combo(self.tr("Dug by"), editable=True)
         self._date = QDateEdit()
+        self._date.setDisplayFormat("dd.MM.yyyy" if units.quantities().language == "tr" else "d MMM yyyy")
         self._date.setCalendarPopup(True)
         self._date.setMinimumHeight(HEIGHT)
         self._date.setAccessibleName(self.tr("Day of the dig"))
@@ -364,6 +365,7 @@ class DigForm(QWidget):
     def _number(self, low: float, high: float, factor: float, hint: str) -> OptionalNumber:
         field = OptionalNumber(low, high, factor=factor, hint=hint)
         field.setMinimumHeight(HEIGHT)
+        field.setAccessibleName(hint)
         field.value_changed.connect(self._on_edit)
         return field
 

@@ -126,6 +126,7 @@ class ImportPreview(QWidget):
 
 def _table(titles: list[str]) -> QTableWidget:
     table = QTableWidget(0, len(titles))
+    table.setTabKeyNavigation(False)  # Tab leads on; arrows go about the cells
     table.setHorizontalHeaderLabels(titles)
     table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
     table.verticalHeader().hide()

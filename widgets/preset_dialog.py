@@ -83,6 +83,7 @@ class PresetDialog(QDialog):
 
     def _table(self) -> QTableWidget:
         table = QTableWidget(len(KINDS), SOURCE + 1)
+        table.setTabKeyNavigation(False)  # Tab leads on; arrows go about the cells
         table.setObjectName("preset_values")
         table.setHorizontalHeaderLabels(
             [self.tr("What"), self.tr("Value"), self.tr("Allowed"), self.tr("Basis"), self.tr("Source")]

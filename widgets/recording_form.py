@@ -94,6 +94,7 @@ class RecordingForm(QWidget):
 
     def _lay_out(self) -> None:
         form = QFormLayout(self)
+        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)  # in the sun's letters it would be too wide
         form.setContentsMargins(0, 0, 0, 0)
         form.addRow(self.tr("Name"), self._name)
         form.addRow(self.tr("Operator"), self._operator)

@@ -41,10 +41,13 @@ class SpectrogramTools(QWidget):
         ):
             self._plane.addItem(text, plane.value)
         self._plane.currentIndexChanged.connect(lambda _row: self.plane_chosen.emit(self._plane.currentData()))
+        self._plane.currentTextChanged.connect(self._plane.setToolTip)  # on the smallest screens its words are cut
+        self._plane.setToolTip(self._plane.currentText())
         self.menu = self._build_menu()
         self._more = QToolButton()
         self._more.setObjectName("spectrogram_menu")
         self._more.setText(self.tr("Axes, colours"))
+        self._more.setToolTip(self._more.text())
         self._more.setMenu(self.menu)
         self._more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._more.setMinimumHeight(LEAST_HEIGHT)
