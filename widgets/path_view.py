@@ -220,6 +220,7 @@ class PathView(PlanHand):
         place = self._cursor_pixel()
         if (
             place is not None
+            and not self._fitted  # then all is in view, however small the plan is before it has been laid out
             and not self._mouse.holds
             and not QRectF(self.rect()).adjusted(8, 8, -8, -8).contains(place)
         ):

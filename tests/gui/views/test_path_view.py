@@ -88,6 +88,15 @@ def test_everything_is_in_view_at_first_and_after_resizing(view, track):
         assert pixels[:, 1].max() <= size[1]
 
 
+def test_a_cursor_that_moves_before_the_plan_is_laid_out_leaves_everything_in_view(view, cursor, track):
+    view.resize(20, 14)  # as a page that has not been in front yet
+    cursor.set_time(track.time_s[-1])
+    view.resize(500, 400)
+    pixels = view.plan_scale.pixels(track.position_w_m[:, :2])
+    assert np.ptp(pixels, axis=0).max() > 200
+    assert pixels.min() > 0
+
+
 @given(st.floats(0.001, 100.0))
 def test_the_thinned_path_is_never_a_pixel_off(metres_per_pixel):
     track = loop_track()
