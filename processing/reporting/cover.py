@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from processing import messages
 from processing.dig_words import band_sentence, history_sentences, widened_sentence
 from processing.position.distance import NORMAL_95
 from processing.reporting.content import ReportContent, verdict_counts
@@ -58,10 +59,11 @@ def cover_facts(content: ReportContent, words: Words) -> list[list[str]]:
         Motion.FOOT: words("device_foot"),
     }[survey.device.motion]
     track = results.track
+    path = messages.table("position_titles", words.language).get(track.method, track.method) if track else ""
     method = words(
         "method_value",
         orientation=results.attitude_method or words("unknown"),
-        position=track.method if track is not None else words("unknown"),
+        position=path or words("unknown"),
     )
     facts = [
         [words("operator"), survey.info.operator],
