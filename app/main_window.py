@@ -47,7 +47,7 @@ from widgets.step_bar import StepBar
 
 REVIEW_PAGES = ("path", "sound", "leaks")
 STEP_PAGES = ("data", *REVIEW_PAGES, "report")  # they have a button in the step bar
-TOOLS = ("record", "open", "undo", "redo", "mark", "export", "correlator")
+TOOLS = ("record", "open", "undo", "redo", "mark", "gallery", "export", "correlator")
 
 
 class MainWindow(QMainWindow):
