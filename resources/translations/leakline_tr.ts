@@ -437,11 +437,11 @@
     </message>
     <message>
         <source>Move the selected mark a fiftieth of what is shown away from the launch</source>
-        <translation>Seçili işareti, görünenin ellide biri kadar girişten uzağa kaydır</translation>
+        <translation>Seçili işareti, görünenin ellide biri kadar bırakma noktasından uzağa kaydır</translation>
     </message>
     <message>
         <source>Move the selected mark a fiftieth of what is shown towards the launch</source>
-        <translation>Seçili işareti, görünenin ellide biri kadar girişe doğru kaydır</translation>
+        <translation>Seçili işareti, görünenin ellide biri kadar bırakma noktasına doğru kaydır</translation>
     </message>
     <message>
         <source>Next candidate</source>
@@ -729,7 +729,7 @@
     </message>
     <message>
         <source>Show the recording page: devices, levels, live path</source>
-        <translation>Kayıt sayfasını açar: cihazlar, seviyeler, canlı güzergâh</translation>
+        <translation>Kayıt sayfasını açar: cihazlar, seviyeler, canlı yol</translation>
     </message>
     <message>
         <source>Show the whole run (double click; on a leak it goes there)</source>
@@ -1992,7 +1992,7 @@
     </message>
     <message>
         <source>Second reviewer</source>
-        <translation>İkinci değerlendiren</translation>
+        <translation>İkinci inceleyen</translation>
     </message>
     <message>
         <source>Second: {name}</source>
@@ -2056,6 +2056,14 @@
 </context>
 <context>
     <name>DigForm</name>
+    <message>
+        <source>A day earlier</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>A day later</source>
+        <translation type="unfinished"></translation>
+    </message>
     <message>
         <source>Add photo…</source>
         <translation>Fotoğraf ekle…</translation>
@@ -2250,6 +2258,10 @@
         <source>outside</source>
         <translation>dışında</translation>
     </message>
+    <message>
+        <source>▶ away from the launch, ◀ towards it</source>
+        <translation type="unfinished"></translation>
+    </message>
 </context>
 <context>
     <name>DigPage</name>
@@ -2382,7 +2394,7 @@
     </message>
     <message>
         <source>{length} away from launch ▶</source>
-        <translation>{length} başlangıçtan uzağa ▶</translation>
+        <translation>{length} bırakmadan uzağa ▶</translation>
     </message>
     <message>
         <source>{length} beside the path</source>
@@ -3224,11 +3236,11 @@
     </message>
     <message>
         <source>Live path</source>
-        <translation>Canlı güzergâh</translation>
+        <translation>Canlı yol</translation>
     </message>
     <message>
         <source>No path yet</source>
-        <translation>Henüz güzergâh yok</translation>
+        <translation>Henüz yol yok</translation>
     </message>
     <message>
         <source>■ still</source>
@@ -3553,7 +3565,7 @@
     <name>OverviewStrip</name>
     <message>
         <source>Overview of the whole run</source>
-        <translation>Bütün koşuya genel bakış</translation>
+        <translation>Bütün geçişe genel bakış</translation>
     </message>
 </context>
 <context>
@@ -5059,7 +5071,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Second reviewer</source>
-        <translation>İkinci değerlendiren</translation>
+        <translation>İkinci inceleyen</translation>
     </message>
     <message>
         <source>This is the first reviewer. The second has to be somebody else.</source>
@@ -5153,7 +5165,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Lines: tap those that the run followed</source>
-        <translation>Çizgiler: koşunun izlediklerine dokunun</translation>
+        <translation>Çizgiler: geçişin izlediklerine dokunun</translation>
     </message>
     <message>
         <source>Map accuracy ± 1σ ({unit})</source>
@@ -5169,7 +5181,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Tap the line that the run followed, in the map or in the list.</source>
-        <translation>Haritada ya da listede, koşunun izlediği çizgiye dokunun.</translation>
+        <translation>Haritada ya da listede, geçişin izlediği çizgiye dokunun.</translation>
     </message>
     <message>
         <source>The file does not say its coordinate system: choose it, or the drawing's own metres.</source>
@@ -5355,7 +5367,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Set looks, units and layouts back to what they were at first?</source>
-        <translation>Görünüm, birimler ve düzen ilk haline döndürülsün mü?</translation>
+        <translation>Görünüm, birimler ve düzen ilk hâline döndürülsün mü?</translation>
     </message>
     <message>
         <source>The logo could not be copied: {reason}</source>
@@ -5410,7 +5422,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Language, names, company and the list of surveys stay; looks, units and layouts go.</source>
-        <translation>Dil, adlar, firma bilgileri ve ölçüm listesi kalır; görünüm, birimler ve düzen ilk haline döner.</translation>
+        <translation>Dil, adlar, firma bilgileri ve ölçüm listesi kalır; görünüm, birimler ve düzen ilk hâline döner.</translation>
     </message>
     <message>
         <source>Light</source>
@@ -5438,7 +5450,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Second reviewer</source>
-        <translation>İkinci değerlendiren</translation>
+        <translation>İkinci inceleyen</translation>
     </message>
     <message>
         <source>Settings</source>
@@ -5521,7 +5533,7 @@ bir daha</translation>
     </message>
     <message>
         <source>{percent} % is too quiet for these colours: K fits them</source>
-        <translation>% {percent} kadarı bu renkler için çok kısık: K ayarlar</translation>
+        <translation>%{percent} kadarı bu renkler için çok kısık: K ayarlar</translation>
     </message>
 </context>
 <context>
@@ -6146,7 +6158,7 @@ bir daha</translation>
     </message>
     <message>
         <source>Declare a closed loop: a tie point at the launch at the end of the run</source>
-        <translation>Kapalı döngü: koşunun sonu için bırakma noktasına bir bağlama noktası ekler</translation>
+        <translation>Kapalı döngü: geçişin sonu için bırakma noktasına bir bağlama noktası ekler</translation>
     </message>
     <message>
         <source>Ended where it began</source>
