@@ -1,5 +1,7 @@
 """Compares the open survey with another run of its pipe: the page of repeat runs, built when asked for (Ctrl+L)."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,10 +18,12 @@ from processing import messages
 from processing.errors import ErrorCode, LeaklineError
 from processing.position.distance import times_at
 from processing.progress import Progress
+from processing.survey import Verdict
 from widgets.plot_theme import Theme
 from widgets.units import quantities
 
 if TYPE_CHECKING:
+    from processing.quantities import Quantities
     from processing.repeat_runs import ComparedRun, Comparison, Place
     from widgets.repeat_page import RepeatPage
 
@@ -40,7 +44,8 @@ class RepeatControl(QObject):
         self._session, self._jobs, self._preferences = services.session, services.jobs, services.preferences
         self._host, self._window, self._language = host, window, language
         self.page: RepeatPage | None = None
-        self.comparison: Comparison | None = None
+        self.comparison: Comparison | None = None  # as shown
+        self._full: Comparison | None = None  # with what was rejected since
         self._other: Path | None = None
         self._turned: bool | None = None
         self._before = "leaks"
@@ -69,7 +74,10 @@ class RepeatControl(QObject):
             self._build()
         self._before = self._host.current()
         self._show_others()
-        if self.comparison is None and self._job is None:
+        if self._full is not None:
+            self.comparison = self.present()
+            self._show()
+        elif self._job is None:
             self._show_nothing(self.tr("Choose another run of this pipe: a recent survey, or its folder."))
         self._host.show(PAGE)
         assert self.page is not None  # built just now
@@ -108,6 +116,23 @@ class RepeatControl(QObject):
 
     # --- comparing ---
 
+    def for_report(self) -> "Callable[[Quantities], tuple[str, ...]] | None":
+        """Return what says the changes in a report's language and units; None where nothing was compared."""
+        found = self.present()
+        if found is None:
+            return None
+        from processing.repeat_words import report_sentences
+
+        return partial(report_sentences, found)
+
+    def present(self) -> "Comparison | None":
+        """Return the comparison without what the operator has rejected since; None where nothing was compared."""
+        if self._full is None:
+            return None
+        rejected = {i for i, decision in self._session.decisions.items() if decision.verdict is Verdict.REJECTED}
+        kept = tuple(p for p in self._full.places if p.ours is None or p.ours.id not in rejected)
+        return replace(self._full, places=kept)
+
     def compare_with(self, path: Path, *, is_reversed: bool | None = None) -> None:
         """Put another survey beside the open one."""
         session = self._session
@@ -132,7 +157,7 @@ class RepeatControl(QObject):
 
     def _take(self, comparison: "Comparison") -> None:
         self._job = None
-        self.comparison = comparison
+        self.comparison = self._full = comparison
         self._turned = comparison.alignment.is_reversed
         self._show()
         self.changed.emit()
@@ -170,7 +195,7 @@ class RepeatControl(QObject):
         self._hear(None)
         self._drop_job()
         if self.comparison is not None or self._other is not None:
-            self.comparison = self._other = None
+            self.comparison = self._full = self._other = None
             self.changed.emit()
         if self.page is not None:
             self._show_others()
@@ -251,7 +276,7 @@ class RepeatControl(QObject):
             return
         import numpy as np
 
-        self.comparison = None
+        self.comparison = self._full = None
         self.page.view.set_content(np.empty(0), (), np.empty((0, 2)), ())
         self.page.view.set_hint(words or self.tr("Choose another run of this pipe"))
         self.page.set_lines(())

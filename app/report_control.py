@@ -209,7 +209,10 @@ class ReportControl(QObject):
     def _record(self) -> "ReviewRecord | None":
         folder = self._session.folder
         history = self._window.work.digs.ledger.history
-        return None if folder is None else review_record(folder, self._session.run, history)
+        if folder is None:
+            return None
+        record = review_record(folder, self._session.run, history)
+        return replace(record, changes=self._window.work.repeat.for_report())
 
     def _target(self) -> Path | None:
         session = self._session

@@ -4,9 +4,11 @@ Each belongs to a leak by the **number** that people call it by (:attr:`processi
 same from run to run, so nothing has to be carried over when the survey is processed again.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from processing.quantities import Quantities
 from processing.survey import Decision
 
 
@@ -141,3 +143,5 @@ class ReviewRecord:
     digs: dict[int, DigResult] = field(default_factory=dict)  # the newest of each number
     opinions: tuple[Opinion, ...] = ()
     history: DigHistory | None = None
+    # what has changed since another run of the pipe, in sentences; None where the operator has put none beside this one
+    changes: Callable[[Quantities], tuple[str, ...]] | None = None

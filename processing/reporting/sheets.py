@@ -60,6 +60,7 @@ def page_data(content: ReportContent) -> dict[str, Any]:
         "result": result_sentence(content, words),
         "accuracy": accuracy(content, words),
         "ties": [tie_row(check, words) for check in results.tie_checks],
+        "changes": changes(content, words),
         "leaks": [table_row(row, content, words) for row in sorted(content.rows, key=crews_order)[:TABLE_AT_MOST]],
         "more": left_out(content, words),
         "sheets": [sheet(row, content, words, known) for row in sheets],
@@ -68,6 +69,12 @@ def page_data(content: ReportContent) -> dict[str, Any]:
         "checks": [check_table(check, words) for check in results.recording.sheets],
         "appendix": appendix(content, words),
     }
+
+
+def changes(content: ReportContent, words: Words) -> list[str]:
+    """Return what has changed since the run that the operator put beside this one; nothing where there is none."""
+    told = content.record.changes
+    return [] if told is None else list(told(words.quantities)[:TABLE_AT_MOST])
 
 
 def rows_with_sheet(content: ReportContent) -> list[LeakRow]:

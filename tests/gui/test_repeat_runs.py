@@ -16,8 +16,10 @@ from app.repeat_control import PAGE, RepeatControl
 from app.services import Services
 from app.settings import PreferencesStore
 from app.survey_session import SurveySession
+from processing.quantities import Quantities
 from processing.repeat_runs import Change
 from processing.storage.folder import SurveyFolder
+from processing.survey import Decision, Verdict
 
 
 @pytest.fixture
@@ -123,6 +125,18 @@ def test_both_runs_are_heard_in_turn_and_silence_comes_with_leaving(compared, se
     compared.page.findChild(QPushButton, "repeat_listen_1").click()
     assert compared._heard is None
     assert not compared.listening.playing
+
+
+def test_what_the_operator_rejects_afterwards_is_no_change_any_more(compared, services):
+    new = compared.comparison.places[2]
+    services.session.write_decision(new.ours.id, Decision(Verdict.REJECTED), "decide")
+    assert [place.change for place in compared.present().places] == [Change.SAME, Change.SAME, Change.GONE]
+    compared.toggle()
+    compared.toggle()
+    assert compared.page.table.rowCount() == 3
+    services.session.write_decision(new.ours.id, Decision(), "undo")
+    assert len(compared.present().places) == 4
+    assert compared.for_report()(Quantities("en"))[0].startswith("Changes since 4 May 2025")
 
 
 def test_the_table_of_changes_is_written(compared, tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +13,10 @@ from processing.quantities import Quantities
 from processing.repeat_alignment import Alignment, Anchor, align
 from processing.repeat_runs import Change, ComparedRun, compare
 from processing.repeat_words import change_sentences, growth_text, report_sentences, write_csv
+from processing.reporting.content import make_content
+from processing.reporting.options import ReportOptions
+from processing.reporting.sheets import page_data
+from processing.review_facts import ReviewRecord
 from processing.survey import Channel, Decision, Launch, Stretch, TiePoint, Verdict
 
 OLD, NEW = "2025-05-04", "2026-05-04"
@@ -88,6 +93,16 @@ def test_the_changes_are_said_in_both_languages(compared):
     assert "+" in growth_text(at(compared, 45.0), Quantities("tr"))
     for language in ("en", "tr"):
         assert len(report_sentences(compared, Quantities(language))) >= 8
+
+
+def test_the_report_has_a_section_on_what_changed(compared):
+    content = make_content(
+        compared.ours.results, {}, ReviewRecord(changes=partial(report_sentences, compared)), ReportOptions("tr")
+    )
+    page = page_data(content)
+    assert page["changes"][0].startswith("04.05.2025 tarihinden beri: 1 yeni")
+    assert len(page["changes"]) == len(report_sentences(compared, Quantities("tr")))
+    assert page_data(make_content(compared.ours.results, {}))["changes"] == []
 
 
 def test_the_table_has_a_line_a_place_with_points_and_metres(compared, tmp_path):
