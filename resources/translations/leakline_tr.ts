@@ -2058,11 +2058,11 @@
     <name>DigForm</name>
     <message>
         <source>A day earlier</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir gün önce</translation>
     </message>
     <message>
         <source>A day later</source>
-        <translation type="unfinished"></translation>
+        <translation>Bir gün sonra</translation>
     </message>
     <message>
         <source>Add photo…</source>
@@ -2150,7 +2150,7 @@
     </message>
     <message>
         <source>Take back</source>
-        <translation>Geri al</translation>
+        <translation>Geri çek</translation>
     </message>
     <message>
         <source>as usual</source>
@@ -2260,7 +2260,7 @@
     </message>
     <message>
         <source>▶ away from the launch, ◀ towards it</source>
-        <translation type="unfinished"></translation>
+        <translation>▶ başlangıçtan uzağa, ◀ başlangıca doğru</translation>
     </message>
 </context>
 <context>
