@@ -32,7 +32,7 @@ from widgets.plan_places import PlanPlaces, paint_places
 from widgets.plot_canvas import Keep, PaintedItem, PlotCanvas, plot_item
 from widgets.plot_marks import Marks
 from widgets.plot_theme import LIGHT, Theme, VerdictMarks
-from widgets.ruler import paint_ruler_on_plan
+from widgets.ruler import paint_ruler_label_on_plan, paint_ruler_on_plan
 from widgets.throttle import Throttle
 from widgets.time_cursor import TimeCursor
 
@@ -77,6 +77,7 @@ class PathView(PlanHand):
         self._plot.vb.addItem(self._band_item, ignoreBounds=True)
         self._places = PaintedItem(self._plot, self._paint_places, 10.0, Keep.PIXELS)
         self._device = PaintedItem(self._plot, self._paint_device, 20.0, Keep.NOTHING)
+        self._ruler_item = PaintedItem(self._plot, self._paint_ruler, 9.0, Keep.NOTHING)  # below marks and pins
 
     # --- what it is told ----------------------------------------------------------------------------------------
 
@@ -259,7 +260,7 @@ class PathView(PlanHand):
         self._lines.show_path(self._path, self._scale, self._theme, self._cursor.range_s, self._stretches)
         self._compared.show(self._scale, self._theme)
         self._band_item.renew(QRectF(west, south, east - west, north - south), QRectF(self.rect()))
-        for item in (self._ground, self._places, self._device):
+        for item in (self._ground, self._places, self._device, self._ruler_item):
             item.renew(QRectF(self.rect()))
 
     def _paint_ground(self, painter: QPainter) -> None:
@@ -272,14 +273,21 @@ class PathView(PlanHand):
             for times in self._lines.shown_times:
                 paint_band(painter, self._theme, self._scale, self._track, times)
 
+    def _measured_way(self) -> list[QPointF]:
+        ends_s = self._cursor.ruler.ends_s
+        if ends_s is None or self._path is None:
+            return []
+        return [QPointF(*pixel) for pixel in way_between(self._path, self._scale, ends_s)]
+
+    def _paint_ruler(self, painter: QPainter) -> None:
+        paint_ruler_on_plan(painter, self._theme, self._measured_way())
+
     def _paint_device(self, painter: QPainter) -> None:
         place, ahead = self._cursor_pixel(), self.pixel_of_moment(self._cursor.time_s + 1.0)
         self._painted_cursor = place
-        ruler = self._cursor.ruler
-        if ruler.ends_s is not None and self._path is not None:
-            way = [QPointF(*pixel) for pixel in way_between(self._path, self._scale, ruler.ends_s)]
-            painter.setFont(self._theme.font())
-            paint_ruler_on_plan(painter, self._theme, way, ruler.label, QRectF(self.rect()))
+        painter.setFont(self._theme.font())
+        label = self._cursor.ruler.label
+        paint_ruler_label_on_plan(painter, self._theme, self._measured_way(), label, QRectF(self.rect()))
         if place is not None:
             paint_cursor(painter, self._theme, place, ahead)
         if self.hasFocus():

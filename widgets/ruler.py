@@ -126,7 +126,7 @@ def paint_ruler_label(painter: QPainter, theme: Theme, rect: QRectF, ends: tuple
         paint_tag(painter, theme, label, QRectF(x, y, width, height), strong=True)
 
 
-def paint_ruler_on_plan(painter: QPainter, theme: Theme, pixels: list[QPointF], label: str, room: QRectF) -> None:
+def paint_ruler_on_plan(painter: QPainter, theme: Theme, pixels: list[QPointF]) -> None:
     """Draw a ruler along the path, ``pixels`` being its way from end to end."""
     if not pixels:
         return
@@ -142,6 +142,12 @@ def paint_ruler_on_plan(painter: QPainter, theme: Theme, pixels: list[QPointF], 
         painter.setBrush(QColor(theme.curve_second))
         painter.drawEllipse(place, _TICK, _TICK)
     painter.restore()
+
+
+def paint_ruler_label_on_plan(painter: QPainter, theme: Theme, pixels: list[QPointF], label: str, room: QRectF) -> None:
+    """Write what a ruler tells above the middle of its way, within ``room``."""
+    if not pixels:
+        return
     metrics, middle = theme.metrics(), pixels[len(pixels) // 2]
     width, height = metrics.horizontalAdvance(label) + 14.0, metrics.height() + 4.0
     if label and room.width() > width and room.adjusted(-40, -40, 40, 40).contains(middle):

@@ -137,6 +137,16 @@ def test_a_drag_on_the_plan_measures_along_the_path(cursor, track, shown):
     assert cursor.ruler.ends_s[1] < second_s
 
 
+def test_a_ruler_on_the_plan_hides_no_leak(cursor, track, shown, make_candidate):
+    view = shown(PathView(cursor), 500, 500)
+    view.set_track(track)
+    view.set_candidates([make_candidate(1, 400.0, cursor.chainage_at(400.0), position=cursor.position_at(400.0))])
+    mark = view.pixel_of_moment(400.0).toPoint()
+    before = view.grab().toImage().pixelColor(mark)
+    cursor.ruler.set_ends(320.0, 500.0)
+    assert view.grab().toImage().pixelColor(mark) == before
+
+
 @given(st.floats(0.0, 600.0), st.floats(0.0, 600.0))
 def test_the_way_on_the_plan_is_as_long_as_the_ruler(first_s, second_s):
     time_s = np.arange(0.0, 600.5, 0.5)
