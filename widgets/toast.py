@@ -12,6 +12,7 @@ class Toast(QLabel):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
+        self._over = parent
         self.setObjectName("banner")  # the same looks
         self.setTextFormat(Qt.TextFormat.PlainText)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -38,7 +39,7 @@ class Toast(QLabel):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Qt: stay in place when the parent is resized, and go when it goes."""
-        if watched is self.parent():
+        if watched is self._over:
             if event.type() == QEvent.Type.Resize:
                 self._place()
             elif event.type() == QEvent.Type.Hide:
@@ -46,7 +47,7 @@ class Toast(QLabel):
         return super().eventFilter(watched, event)
 
     def _place(self) -> None:
-        parent = self.parentWidget()
+        parent = self._over
         self.setMaximumWidth(parent.width() - 20)
         self.adjustSize()
         self.move((parent.width() - self.width()) // 2, max(0, parent.height() - self.height() - ABOVE_FOOT))
