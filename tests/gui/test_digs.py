@@ -3,12 +3,15 @@
 from dataclasses import replace
 
 import pytest
-from PySide6.QtWidgets import QLineEdit, QPushButton, QStackedWidget, QWidget
+from PySide6.QtCore import QEvent, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLineEdit, QPushButton, QStackedWidget, QWidget
 from small_survey import make_folder, make_results, other_run
 
 from app.dig_control import PAGE, DigControl
 from app.dig_ledger import history_file
 from app.jobs import Jobs
+from app.main_window import MainWindow
 from app.page_host import PageHost
 from app.services import Services
 from app.settings import PreferencesStore
@@ -25,7 +28,9 @@ from widgets.dig_list import Held
 
 @pytest.fixture
 def services(qapp, tmp_path):
-    services = Services(SurveySession(), Jobs(), PreferencesStore(tmp_path / "preferences.json"))
+    services = Services(
+        SurveySession(), Jobs(), PreferencesStore(tmp_path / "preferences.json"), why_silent=lambda: None
+    )
     services.session.open(make_folder(tmp_path))
     services.session.set_results(make_results(services.session.folder))
     yield services
@@ -284,3 +289,24 @@ def test_the_histories_of_two_laptops_are_put_together_from_the_page(control, se
     qtbot.waitUntil(lambda: not services.jobs.running)
     assert len(HistoryFile(tmp_path / "ours.jsonl").read().digs) == 1
     assert kind_of(session.survey).tied
+
+
+def test_in_the_window_one_key_leads_to_the_digs_and_back_and_another_to_the_other_run(services, qtbot):
+    window = MainWindow(services, "en")
+    try:
+        window.show_page("leaks")
+        window.show()
+        qtbot.waitUntil(lambda: not services.jobs.running)
+        window.review_page.focus_views()
+        for key, page in ((Qt.Key.Key_F, PAGE), (Qt.Key.Key_L, "repeat")):
+            QTest.keyClick(QApplication.focusWidget() or window, key, Qt.KeyboardModifier.ControlModifier)
+            assert window.page == page
+            QTest.keyClick(QApplication.focusWidget() or window, key, Qt.KeyboardModifier.ControlModifier)
+            assert window.page == "leaks"
+        window.work.digs.ledger.write(1, DigResult(1, DigFinding.LEAK))
+        assert window.review_page.table.model.data(window.review_page.table.model.index(0, 0)) == "L1 [•]"
+        qtbot.waitUntil(lambda: not services.jobs.running)
+    finally:
+        window.close()
+        window.deleteLater()
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
