@@ -1,6 +1,6 @@
 """Where two reviewers differ, side by side: the first on the left, the second on the right, an arrow takes a side."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
@@ -246,7 +246,7 @@ class DifferencesPanel(QWidget):
                 return True
         return super().eventFilter(watched, event)
 
-    def _ask(self, call) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+    def _ask(self, call: Callable[[int], object]) -> None:
         if self.current is not None:
             call(self.current.candidate_id)
 

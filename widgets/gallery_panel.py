@@ -1,6 +1,6 @@
 """The gallery's page: order and size above, the grid of candidates, and below it the large buttons for the verdicts."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QRect, QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
@@ -104,7 +104,7 @@ class GalleryPanel(QWidget):
         layout.addWidget(self._area, 1)
         layout.addLayout(foot)
 
-    def _button(self, name: str, text: str, call) -> QPushButton:  # type: ignore[no-untyped-def]  # noqa: ANN001
+    def _button(self, name: str, text: str, call: Callable[[], object]) -> QPushButton:
         button = QPushButton(text)
         button.setObjectName(name)
         button.setAccessibleName(text)
