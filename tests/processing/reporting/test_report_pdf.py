@@ -169,7 +169,7 @@ def test_turkish_reads_exactly_with_its_decimal_comma(results, record, tmp_path)
     text = " ".join(report.pages)
     page = report.sheet("Kaçak 1")
     assert note in page
-    for words in ("42,0 m", "% 95 aralığı: 41,0 – 43,0 m", "ÖNCE NOKTASAL TESPİT", "12,0 m ± 1,4 m ileri", "KD (45°)"):
+    for words in ("42,0 m", "%95 aralığı: 41,0 – 43,0 m", "ÖNCE NOKTASAL TESPİT", "12,0 m ± 1,4 m ileri", "KD (45°)"):
         assert words in page, words
     assert "04.05.2026 10:11" in text
     assert "WGS 84: 40.9" in text  # degrees are typed into phones: always with a point
