@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QKeyEvent, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QColor, QImage, QKeyEvent, QPainter, QPen, QPixmap, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from processing.survey import FloatArray
@@ -56,7 +56,7 @@ class RepeatView(XyPlot):
         self._marks: tuple[RepeatMark, ...] = ()
         self._chosen = -1
         self._cursor_m: float | None = None
-        self._pictures: dict[tuple[object, ...], QImage] = {}
+        self._kept: tuple[tuple[object, ...], QPixmap] | None = None
 
     # --- what it is told ---
 
@@ -68,7 +68,7 @@ class RepeatView(XyPlot):
         self._chainage = factor * chainage_m
         self._strips, self._bands, self._marks = tuple(strips), bands_hz, tuple(marks)
         self._chosen = -1
-        self._pictures = {}
+        self._kept = None
         if len(chainage_m) > 1:
             self._set_whole(Scale(float(self._chainage[0]), float(self._chainage[-1])))
             self.fit()
@@ -77,7 +77,7 @@ class RepeatView(XyPlot):
 
     def apply_theme(self, theme: Theme) -> None:
         """Draw in these colours and letters."""
-        self._pictures = {}
+        self._kept = None
         super().apply_theme(theme)
 
     def set_cursor(self, chainage_m: float | None) -> None:
@@ -130,26 +130,39 @@ class RepeatView(XyPlot):
         painter.drawText(below, Qt.AlignmentFlag.AlignCenter, self._x_name)
 
     def _paint_data(self, painter: QPainter, rect: QRectF) -> None:
-        first, second, levels = self._rects(rect)
-        for strip, place in zip(self._strips, (first, second), strict=False):
-            self._paint_picture(painter, strip, place)
-        self._paint_levels(painter, levels)
-        for number, mark in enumerate(self._marks):
-            self._paint_mark(painter, mark, rect, chosen=number == self._chosen)
+        ratio = self.devicePixelRatioF()
+        key = (self._x, rect.getRect(), self._chosen, ratio)
+        if self._kept is None or self._kept[0] != key:  # a moved cursor costs no new pictures
+            self._kept = (key, self._painted(rect, ratio))
+        painter.drawPixmap(rect.topLeft(), self._kept[1])
         if self._cursor_m is not None:
             x = self.x_pixel(self._shown(self._cursor_m))
             painter.setPen(QPen(QColor(self._theme.cursor), 1.3 * self._theme.line_width))
             painter.drawLine(QPointF(x, rect.top()), QPointF(x, rect.bottom()))
 
+    def _painted(self, rect: QRectF, ratio: float) -> QPixmap:
+        """Return both runs with all places, without the cursor."""
+        pixmap = QPixmap((rect.size() * ratio).toSize())
+        pixmap.setDevicePixelRatio(ratio)
+        pixmap.fill(QColor(self._theme.canvas))
+        painter = QPainter(pixmap)
+        try:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setFont(self._theme.font())
+            painter.translate(-rect.topLeft())
+            first, second, levels = self._rects(rect)
+            for strip, place in zip(self._strips, (first, second), strict=False):
+                self._paint_picture(painter, strip, place)
+            self._paint_levels(painter, levels)
+            for number, mark in enumerate(self._marks):
+                self._paint_mark(painter, mark, rect, chosen=number == self._chosen)
+        finally:
+            painter.end()
+        return pixmap
+
     def _paint_picture(self, painter: QPainter, strip: RepeatStrip, rect: QRectF) -> None:
-        columns = max(1, round(rect.width()))
-        key = (strip.title, self._x, columns)
-        if key not in self._pictures:
-            if len(self._pictures) > 8:
-                self._pictures.clear()
-            self._pictures[key] = self._picture(strip.picture_db, columns)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, on=False)
-        painter.drawImage(rect, self._pictures[key])
+        painter.drawImage(rect, self._picture(strip.picture_db, max(1, round(rect.width()))))
         for left, right in _gaps(strip.excess_db):
             x1, x2 = self.x_pixel(float(self._chainage[left])), self.x_pixel(float(self._chainage[right]))
             paint_hatch(painter, QRectF(x1, rect.top(), max(x2 - x1, 1.0), rect.height()), self._theme)
@@ -178,7 +191,7 @@ class RepeatView(XyPlot):
 
     def _paint_levels(self, painter: QPainter, rect: QRectF) -> None:
         known = [strip.excess_db[np.isfinite(strip.excess_db)] for strip in self._strips]
-        top = max([6.0, *(float(np.quantile(values, 0.999)) for values in known if len(values))]) + 2.0
+        top = max([6.0, *(float(np.quantile(values, 0.999)) for values in known if len(values))]) * 1.25 + 2.0
         scale = Scale(-4.0, top)
         metrics = self._theme.metrics()
         for value in linear_ticks(-4.0, top, max(2, int(rect.height() / (2.5 * metrics.height())))):
