@@ -114,6 +114,10 @@ def style_sheet(theme: Theme) -> str:
             selection-color: {theme.text}; }}
         QHeaderView::section {{ padding: 3px 4px; border: 0px; border-right: 1px solid {line};
             border-bottom: {width}px solid {line}; background: {theme.background}; font-weight: bold; }}
+        QTabBar::tab {{ min-height: 36px; padding: 1px 12px; border: {width}px solid {off}; border-bottom: 0px;
+            border-top-left-radius: 5px; border-top-right-radius: 5px; background: {theme.background}; }}
+        QTabBar::tab:selected {{ border-color: {line}; background: {hover}; }}
+        QTabBar:focus::tab:selected {{ border-color: {theme.accent}; }}
         QMenu::item {{ padding: 8px 28px 8px 20px; }}
         QMenu::item:selected {{ background: {theme.accent}; color: {theme.canvas}; }}
         QCheckBox::indicator, QTableView::indicator {{ width: 22px; height: 22px; }}

@@ -17,13 +17,13 @@ from app.list_control import ListControl
 from app.mark_control import MarkControl
 from app.page_host import PageHost
 from app.photo_control import PhotoControl
-from app.second_review import SecondReview
 from app.repeat_control import RepeatControl
+from app.second_review import SecondReview
 from app.services import Services
-from app.views_control import ViewsControl
 from app.settings_control import SettingsControl
 from app.start_control import StartControl
 from app.tour_control import TourControl
+from app.views_control import ViewsControl
 from widgets.plot_theme import Theme
 
 if TYPE_CHECKING:
@@ -94,6 +94,7 @@ class Workplace(QObject):
         self.gallery.apply_theme(theme)
         self.repeat.apply_theme(theme)
         self.second.apply_theme(theme)
+        self.settings.refresh()
 
     def stop(self) -> None:
         """Leave no work behind: the window closes."""

@@ -162,7 +162,7 @@ class SettingsPanel(QWidget):
             combo.addItem(text, value)
         combo.activated.connect(lambda _index, n=name: self.changed.emit(n, self._choices[n].currentData()))
         self._choices[name] = combo
-        form.addRow(title, combo)
+        form.addRow(self._label(title, combo), combo)
 
     def _line(self, form: QFormLayout, name: str, title: str) -> None:
         line = QLineEdit()
@@ -171,7 +171,13 @@ class SettingsPanel(QWidget):
         line.setAccessibleName(title)
         line.editingFinished.connect(lambda n=name: self.changed.emit(n, self._lines[n].text().strip()))
         self._lines[name] = line
-        form.addRow(title, line)
+        form.addRow(self._label(title, line), line)
+
+    def _label(self, title: str, field: QWidget) -> QLabel:
+        label = QLabel(title)
+        label.setMinimumHeight(HEIGHT)  # beside the middle of the field, not its top
+        label.setBuddy(field)
+        return label
 
     # --- what it is told ---
 

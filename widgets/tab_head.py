@@ -8,7 +8,7 @@ from widgets.quiet_combo import QuietCombo
 
 HEIGHT = 40
 LEAST_WIDTH = 120
-_BESIDE_NAME = 24  # pixels of a tab that are not its name
+_BESIDE_NAME = 32  # pixels of a tab that are not its name
 
 
 class _WholeTabs(QTabBar):
