@@ -84,17 +84,24 @@ def test_a_length_is_measured_by_keys_told_and_removed_by_escape(open_window, se
     assert not cursor.ruler.tool
 
 
-def test_keys_move_the_fixed_range_and_another_start_has_it(open_window, services):
+def test_another_start_has_the_range_that_keys_moved_and_the_tab_of_each_page(open_window, services):
     window = open_window()
-    spectrogram = window.review_page.spectrogram
+    spectrogram, tools = window.review_page.spectrogram, window.review_page.tools
     low, high = spectrogram.fixed_range
     press(window, KEY.Key_Down, MODIFIER.ControlModifier)
     press(window, KEY.Key_PageUp, MODIFIER.ControlModifier)
     assert spectrogram.fixed_range == (low - 3.0, high + 3.0)
     kept = PreferencesStore(services.preferences.file).values.sound_view["levels_db"]
     assert kept == f"{low - 3.0:.1f} {high + 3.0:.1f}"
+    tools.choose("bands")
+    window.show_page("leaks")
+    tools.choose("why")
     window.close()
-    assert open_window().review_page.spectrogram.db_range == (low - 3.0, high + 3.0)
+    page = open_window("leaks").review_page
+    assert page.spectrogram.db_range == (low - 3.0, high + 3.0)
+    assert page.tools.is_in_front("why")
+    page.arrange("sound")
+    assert page.tools.is_in_front("bands")
 
 
 def test_every_row_of_a_menu_is_an_action_of_the_table(open_window, monkeypatch):
@@ -191,18 +198,6 @@ def test_a_survey_is_shown_again_where_one_left_off(open_window, services, tmp_p
     session.open(folder)
     session.set_results(results)
     assert session.cursor.range_s == session.cursor.extent_s
-
-
-def test_the_tab_in_front_is_remembered_for_each_page(open_window, services):
-    window = open_window("leaks")
-    window.review_page.tools.choose("why")
-    window.show_page("sound")
-    window.review_page.tools.choose("bands")
-    window.close()
-    window = open_window("leaks")
-    assert window.review_page.tools.is_in_front("why")
-    window.show_page("sound")
-    assert window.review_page.tools.is_in_front("bands")
 
 
 def test_keys_zoom_and_pan_the_view_in_front_as_the_wheel_does(open_window, services):

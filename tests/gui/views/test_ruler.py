@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
@@ -59,6 +59,7 @@ def test_a_ruler_without_length_is_removed_and_another_survey_takes_it_away(curs
     assert cursor.ruler.ends_s is None
 
 
+@settings(max_examples=40)
 @given(st.lists(st.tuples(st.sampled_from(["press", "follow", "set", "other", "remove"]), st.floats()), max_size=12))
 def test_whatever_is_done_its_ends_are_moments(steps):
     ruler = Ruler()
@@ -147,6 +148,7 @@ def test_a_ruler_on_the_plan_hides_no_leak(cursor, track, shown, make_candidate)
     assert view.grab().toImage().pixelColor(mark) == before
 
 
+@settings(max_examples=40)
 @given(st.floats(0.0, 600.0), st.floats(0.0, 600.0))
 def test_the_way_on_the_plan_is_as_long_as_the_ruler(first_s, second_s):
     time_s = np.arange(0.0, 600.5, 0.5)
