@@ -5,7 +5,7 @@ import threading
 import pytest
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QListWidget, QPushButton, QToolButton
+from PySide6.QtWidgets import QApplication, QPushButton, QToolButton
 from scripted_recorder import Laptop
 
 from app.application import Application
@@ -124,8 +124,8 @@ def test_a_run_by_keys_alone(window, hand, laptop, monkeypatch):
     assert laptop.recorder.current.state is RecordingState.RECORDING
     hand.press(KEY.Key_F5, after_s=1.0)
     assert laptop.recorder.current.state is RecordingState.STOPPED
-    recent = window.findChild(QListWidget, "recent")  # who does not process it now finds it there
-    assert recent.item(0).text().startswith(laptop.folder.stem)
+    recent = window.start_page.recent.shown  # who does not process it now finds it there
+    assert recent[0].row.path == str(laptop.folder)
     QTest.mouseClick(window.recording.page.process, LEFT)
     assert opened[-1] == laptop.folder
 
