@@ -45,7 +45,7 @@ def application(qapp, qtbot, tmp_path):
 def opened(application, tmp_path, qtbot):
     session = application.services.session
     session.open(make_folder(tmp_path))
-    session.set_results(make_results(session.folder))
+    session.set_results(make_results(session.folder, (20.0, 60.0)))
     application.window.show_page("report")
     yield session
     qtbot.waitUntil(lambda: not application.services.jobs.running, timeout=A_DEADLINE)
@@ -161,7 +161,7 @@ def test_systems_of_the_launch_are_offered_and_pages_are_shown_and_turned_by_key
     assert pages.current == 2
     QTest.keyClick(pages, Qt.Key.Key_End)
     last = pages.current
-    assert last >= 4  # cover, accuracy, leaks, four sheets
+    assert last >= 4  # cover, accuracy, two sheets
     QTest.keyClick(pages, Qt.Key.Key_PageDown)
     assert pages.current == last
     QTest.keyClick(pages, Qt.Key.Key_Home)

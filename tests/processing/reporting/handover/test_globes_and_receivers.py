@@ -115,7 +115,7 @@ def test_a_simulated_survey_says_so_on_every_pin(hand_over, surveyed):
 ODD = st.text(st.characters(), max_size=40)
 
 
-@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(name=ODD, tie=ODD, note=ODD, pipe=ODD)
 def test_odd_characters_in_names_break_no_file(results, tmp_path_factory, name, tie, note, pipe):
     survey = replace(results.survey, info=SurveyInfo(name, date="2026-05-04"), tie_points=(TiePoint(tie, 60.0, 30.0),))
