@@ -39,16 +39,16 @@ class Report:
 
     @cached_property
     def pages(self):
-        return [self._text(number) for number in range(len(self.reader.pages))]
+        return [self.page(number) for number in range(len(self.reader.pages))]
 
     @cached_property
     def sheets(self):
-        return [self._text(number) for number in self.sheet_numbers]
+        return [self.page(number) for number in self.sheet_numbers]
 
     def sheet(self, words):
         return next(text for text in self.sheets if words in text)
 
-    def _text(self, number):
+    def page(self, number):
         return " ".join(self.reader.pages[number].extract_text().split())
 
 
@@ -154,19 +154,19 @@ def test_a_draft_says_so_across_each_page(results, tmp_path):
     assert "DRAFT: places undecided or unsure: 1" in report.pages[0]
 
 
-def test_simulated_data_are_said_across_each_page_even_when_all_is_decided(results, tmp_path):
+def test_simulated_data_are_said_across_each_page_even_when_all_is_decided(results):
     info = replace(results.survey.info, simulated=True)
     simulated = replace(results, survey=replace(results.survey, info=info))
-    report = written(tmp_path / "r.pdf", simulated, DECIDED)
-    assert all(text.endswith("SIMULATED") for text in report.pages)
-    assert all("DO NOT DIG" in page for page in report.sheets)
+    data = page_data(make_content(simulated, DECIDED))
+    assert data["watermark"] == "SIMULATED"
+    assert [page["light"]["word"] for page in data["sheets"]] == ["DO NOT DIG", "DO NOT DIG"]
 
 
 def test_turkish_reads_exactly_with_its_decimal_comma(results, record, tmp_path):
     note = "ığüşiöç İĞÜŞIÖÇ; su sesi"
     decisions = {**DECIDED, 1: replace(CONFIRMED, note=note)}
     report = written(tmp_path / "r.pdf", results, decisions, record, ReportOptions("tr"))
-    text = " ".join(report.pages)
+    text = report.page(1) + report.page(-1) + report.page(report.sheet_numbers[0])
     page = report.sheet("Kaçak 1")
     assert note in page
     for words in ("42,0 m", "%95 aralığı: 41,0 – 43,0 m", "ÖNCE NOKTASAL TESPİT", "12,0 m ± 1,4 m ileri", "KD (45°)"):
@@ -317,7 +317,7 @@ def test_a_broken_logo_or_photo_is_told_and_left_out(results, record, tmp_path):
     record = replace(record, photos=tuple((photo, str(tmp_path / "wet.jpg")) for photo, _ in record.photos))
     options = ReportOptions(company=Company(logo=str(tmp_path / "logo.png")))
     report = written(tmp_path / "r.pdf", results, DECIDED, record, options)
-    assert "The logo logo.png could not be used" in report.pages[-1]
+    assert "The logo logo.png could not be used" in report.page(-1)
 
 
 @pytest.mark.parametrize(("score", "words"), [(0.0004, "< 1 %"), (0.999, "> 99 %"), (0.5, "50 %")])
@@ -343,9 +343,3 @@ def test_two_hundred_places_keep_to_forty_sheets_and_say_how_many_are_left(resul
     data = page_data(make_content(replace(results, candidates=many), {}))
     assert len(data["sheets"]) == 40
     assert data["more"].startswith("159 further undecided places")
-
-
-def test_local_surveys_say_that_they_have_no_code(results, tmp_path):
-    local = replace(results, survey=replace(results.survey, launch=Launch()))
-    pages = written(tmp_path / "r.pdf", local, DECIDED).sheets
-    assert all("No QR code" in page and "from the launch: +" in page for page in pages)
