@@ -87,6 +87,11 @@ class Place:
         """Whether it sounds plainly louder or fainter."""
         return bool(abs(self.growth_db) > self.growth_half95_db)
 
+    @property
+    def heard_in_both(self) -> bool:
+        """Whether both runs' sound stands over the background here, and plainly alike, whoever found a leak in it."""
+        return bool(np.isfinite(self.growth_db)) and not self.at_least and not self.has_changed
+
 
 @dataclass(frozen=True)
 class Comparison:

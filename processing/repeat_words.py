@@ -25,7 +25,12 @@ def name_of(place: Place) -> str:
 
 
 def change_word(place: Place, language: str) -> str:
-    """Return the change in a word or two, and of what is in both runs whether it is plainly louder or fainter."""
+    """Return the change in a word or two, and of what is in both runs whether it is plainly louder or fainter.
+
+    What only one run found, but both heard alike, is not called new or gone outright.
+    """
+    if place.change in (Change.NEW, Change.GONE) and place.heard_in_both:
+        return messages.text("repeat", f"{place.change.value}_heard_word", language)
     word = messages.text("repeat", f"{place.change.value}_word", language)
     if place.change is not Change.SAME or not place.has_changed:
         return word
@@ -72,6 +77,9 @@ def change_sentences(comparison: Comparison, quantities: Quantities) -> tuple[st
             fainter=sum(place.growth_db < 0.0 for place in same),
         )
     ]
+    unfound = sum(place.change in (Change.NEW, Change.GONE) and place.heard_in_both for place in places)
+    if unfound:
+        out.append(messages.text("repeat", "heard_in_both", language, count=unfound))
     left = [change for change in (Change.MOVED, Change.NOT_HEARD) if counts[change]]
     out += [messages.text("repeat", change.value, language, count=counts[change]) for change in left]
     return tuple(out)

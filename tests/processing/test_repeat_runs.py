@@ -12,7 +12,7 @@ from processing.errors import ErrorCode, LeaklineError
 from processing.quantities import Quantities
 from processing.repeat_alignment import Alignment, Anchor, align
 from processing.repeat_runs import Change, ComparedRun, compare
-from processing.repeat_words import change_sentences, growth_text, report_sentences, write_csv
+from processing.repeat_words import change_sentences, change_word, growth_text, report_sentences, write_csv
 from processing.reporting.content import make_content
 from processing.reporting.options import ReportOptions
 from processing.reporting.sheets import page_data
@@ -77,6 +77,18 @@ def test_what_the_newer_run_could_not_hear_is_not_gone(runs):
     place = at(compare(hard, old), 80.0)
     assert place.change is Change.NOT_HEARD
     assert np.isnan(place.growth_db)
+
+
+def test_what_only_one_run_found_but_both_heard_is_not_called_gone_or_new(runs):
+    new, old = runs
+    missed = tuple(c for c in new.results.candidates if abs(c.chainage_m - 20.0) > 2.0)  # the detector overlooked it
+    comparison = compare(replace(new, results=replace(new.results, candidates=missed)), old)
+    place = at(comparison, 20.0)
+    assert place.change is Change.GONE
+    assert place.heard_in_both
+    assert change_word(place, "en") == "gone from the list, but still heard"
+    assert not at(comparison, 80.0).heard_in_both
+    assert any("do not take them for new or mended" in s for s in change_sentences(comparison, Quantities("en")))
 
 
 def test_what_the_operator_rejected_is_not_compared(runs):
