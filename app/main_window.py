@@ -201,7 +201,7 @@ class MainWindow(QMainWindow):
             self._stack.setCurrentWidget(self._plain_pages[page])
         if page == "report":
             self.report.refresh()
-        if page in STEP_PAGES:
+        if page in (*STEP_PAGES, "start"):
             self.step_bar.set_current(page)
         self._show_enabled()
 

@@ -185,8 +185,11 @@ class StepBar(QWidget):
             self._lights[step].setIcon(light_icon(light, theme, LIGHT_PIXELS))
 
     def set_current(self, key: str) -> None:
-        """Check the page's button without a signal."""
-        self._buttons[key].setChecked(True)
+        """Check the page's button without a signal; none for a page that is no step."""
+        self._group.setExclusive(False)
+        for name, button in self._buttons.items():
+            button.setChecked(name == key)
+        self._group.setExclusive(True)
 
     def set_enabled(self, key: str, *, enabled: bool) -> None:
         """Switch a page on or off; the tie points go with the data."""

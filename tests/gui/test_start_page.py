@@ -63,6 +63,7 @@ def test_a_closed_survey_is_listed_with_its_review_and_its_path(application, tmp
     window.files.close_survey()
     qtbot.waitUntil(lambda: not application.services.jobs.running)
     assert window.page == "start"
+    assert not any(window.findChild(QToolButton, f"page_{page}").isChecked() for page in ("data", "leaks", "report"))
     name, _where, state = lines(window)[path]
     assert name == f"Station Road{BETWEEN}4 May 2026"
     assert state == f"2 of 4 decided{BETWEEN}1 confirmed"
