@@ -70,6 +70,8 @@ class DigList(QTableWidget):
         header = self.horizontalHeader()
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setSectionResizeMode(3, QHeaderView.ResizeMode.Stretch)
+        least = 9 * header.fontMetrics().averageCharWidth()  # else the stretched one gives way to the others
+        header.setMinimumSectionSize(least)
         self.currentCellChanged.connect(self._on_current)
 
     def held_text(self, held: Held) -> str:

@@ -2182,7 +2182,7 @@
     </message>
     <message>
         <source>◀ towards the launch</source>
-        <translation>◀ başlangıca doğru</translation>
+        <translation>◀ bırakmaya doğru</translation>
     </message>
 </context>
 <context>
@@ -2260,7 +2260,7 @@
     </message>
     <message>
         <source>▶ away from the launch, ◀ towards it</source>
-        <translation>▶ başlangıçtan uzağa, ◀ başlangıca doğru</translation>
+        <translation>▶ bırakmadan uzağa, ◀ bırakmaya doğru</translation>
     </message>
 </context>
 <context>
@@ -2414,7 +2414,7 @@
     </message>
     <message>
         <source>◀ {length} towards launch</source>
-        <translation>◀ {length} başlangıca doğru</translation>
+        <translation>◀ {length} bırakmaya doğru</translation>
     </message>
 </context>
 <context>
