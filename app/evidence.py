@@ -9,7 +9,7 @@ from processing.sound.size_words import size_sentence
 from processing.survey import Params
 from widgets.candidate_row import CandidateRow
 from widgets.units import quantities
-from widgets.vocabulary import class_text, clock_text, frequency_text, number, size_text
+from widgets.vocabulary import chance_text, class_text, clock_text, frequency_text, number, size_text
 
 # what is said of a candidate, and from which value on it is worth a line
 WORTH_SAYING = {
@@ -27,8 +27,8 @@ def evidence_text(row: CandidateRow, language: str) -> str:
     if row.manual:
         lines.append(QCoreApplication.translate("Evidence", "Marked by hand."))
     else:
-        text = QCoreApplication.translate("Evidence", "Leak with {percent} % probability; looks like: {kind}.")
-        lines.append(text.format(percent=number(100.0 * candidate.score, 0), kind=class_text(candidate.leak_class)))
+        text = QCoreApplication.translate("Evidence", "Leak with {percent} probability; looks like: {kind}.")
+        lines.append(text.format(percent=chance_text(candidate.score), kind=class_text(candidate.leak_class)))
         text = QCoreApplication.translate(
             "Evidence", "{level} dB above its surroundings from {low} to {high}, {width} wide."
         )
@@ -64,8 +64,8 @@ def evidence_brief(row: CandidateRow) -> str:
     if row.manual:
         first = QCoreApplication.translate("Evidence", "Marked by hand.")
     else:
-        text = QCoreApplication.translate("Evidence", "Leak {percent} % · looks like: {kind}")
-        first = text.format(percent=number(100.0 * candidate.score, 0), kind=class_text(candidate.leak_class))
+        text = QCoreApplication.translate("Evidence", "Leak {percent} · looks like: {kind}")
+        first = text.format(percent=chance_text(candidate.score), kind=class_text(candidate.leak_class))
     parts = [f"{number(candidate.level_db, 1)} dB"] if math.isfinite(candidate.level_db) else []
     parts += [quantities().length(candidate.width_m), clock_text(candidate.time_s), size_text(row.leak_size)]
     return f"{first}\n{' · '.join(part for part in parts if part)}"

@@ -18,7 +18,7 @@ from widgets.evidence_plots import SmallPlot, Weighed
 from widgets.known_leak_dialog import KnownFlow, KnownLeakDialog
 from widgets.latest_loader import LatestLoader
 from widgets.units import quantities
-from widgets.vocabulary import class_text
+from widgets.vocabulary import chance_text, class_text
 
 if TYPE_CHECKING:
     from app.page_tools import PageTools
@@ -131,13 +131,13 @@ def _measure(results: "Results", row: CandidateRow, ground: "Ground | None", lan
     evidence = evidence_of(row.candidate, ground, results.candidates, load_model()) if ground is not None else None
     if evidence is None:
         return _Measured(results, ground, None)
-    size = size_sentence(row.leak_size, language) if row.leak_size is not None else ""
+    size = size_sentence(row.leak_size, language, quantities().units) if row.leak_size is not None else ""
     return _Measured(results, ground, _shown(row, evidence, size, language))
 
 
 def _shown(row: CandidateRow, evidence: "CandidateEvidence", size: str, language: str) -> ShownEvidence:
     chances = sorted(evidence.probability.items(), key=lambda item: -item[1])
-    percent = 100 * evidence.probability[LeakClass.LEAK]
+    percent = chance_text(evidence.probability[LeakClass.LEAK])
     kind = class_text(row.kind)
     telling = [f for f in evidence.features if abs(f.for_leak) >= WORTH_SAYING]
     rows = [EvidenceRow(_sentence(f, language), Weighed(f.value, f.quantiles, f.for_leak)) for f in telling]

@@ -86,6 +86,13 @@ def number(value: float | None, digits: int) -> str:
     return QLocale().toString(rounded, "f", digits).replace("-", "−")
 
 
+def chance_text(probability: float) -> str:
+    """Return a probability in per cent as words may claim it: never 0 and never 100, nothing here is certain."""
+    percent = round(100.0 * probability)
+    text = _words(str(QT_TRANSLATE_NOOP("Vocabulary", "{percent} %"))).format(percent=min(max(percent, 1), 99))
+    return f"< {text}" if percent < 1 else f"> {text}" if percent > 99 else text
+
+
 def frequency_text(hz: float) -> str:
     """Return a frequency to two digits or so: ``430 Hz``, ``3.9 kHz``."""
     return f"{number(round(hz, -1), 0)} Hz" if hz < 999.5 else f"{number(hz / 1000.0, 1)} kHz"

@@ -2424,12 +2424,12 @@
         <translation>%95 olasılıkla {low} ile {high} arasında; geçiş zamanı {time}.</translation>
     </message>
     <message>
-        <source>Leak with {percent} % probability; looks like: {kind}.</source>
-        <translation>Kaçak olasılığı %{percent}; benzediği: {kind}.</translation>
+        <source>Leak with {percent} probability; looks like: {kind}.</source>
+        <translation>Kaçak olasılığı {percent}; benzediği: {kind}.</translation>
     </message>
     <message>
-        <source>Leak {percent} % · looks like: {kind}</source>
-        <translation>Kaçak %{percent} · benzediği: {kind}</translation>
+        <source>Leak {percent} · looks like: {kind}</source>
+        <translation>Kaçak {percent} · benzediği: {kind}</translation>
     </message>
     <message>
         <source>Marked by hand.</source>
@@ -3716,6 +3716,10 @@
     <message>
         <source>Photos</source>
         <translation>Fotoğraflar</translation>
+    </message>
+    <message>
+        <source>Photos not attached: their survey was closed while they were copied. Attach them again.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <source>Pictures</source>
@@ -6394,6 +6398,10 @@ bir daha</translation>
     <message>
         <source>valve</source>
         <translation>vana</translation>
+    </message>
+    <message>
+        <source>{percent} %</source>
+        <translation>%{percent}</translation>
     </message>
 </context>
 <context>

@@ -17,7 +17,7 @@ from widgets.optional_number import OptionalNumber
 from widgets.recording_form import parse_places, with_units
 from widgets.survey_form import SurveyForm
 from widgets.tie_point_panel import TiePointModel
-from widgets.vocabulary import place_and_width, place_title
+from widgets.vocabulary import chance_text, place_and_width, place_title
 
 FOOT = METRES_PER_US_FOOT
 METRIC_LENGTH = re.compile(r"(\d|\(| |±) ?(m|mm|bar|km)\b(?!/)")
@@ -172,3 +172,14 @@ def test_accelerations_and_the_units_of_files_stay_what_they_are():
     assert "160 m/s²" in told
     error = LeaklineError(ErrorCode.PATH_IMPOSSIBLE, length_m=3048.0, duration_s=10.0)
     assert "10000 ft" in messages.error_sentence(error, "en", Units.US)
+
+
+def test_no_chance_is_told_as_certain():
+    assert [chance_text(p) for p in (0.0, 0.004, 0.5, 0.994, 0.996, 1.0)] == [
+        "< 1 %",
+        "< 1 %",
+        "50 %",
+        "99 %",
+        "> 99 %",
+        "> 99 %",
+    ]
