@@ -95,7 +95,8 @@ ACTIONS: tuple[ActionRow, ...] = (
          N("Actions", "Compute path and leaks again with the present form and tie points; decisions are carried over"),
          Needs.WRITABLE),
     _row("export", N("Actions", "Export report and files"), "Ctrl+E", Page.FILE, "report.export",
-         N("Actions", "Write the PDF, the tables and the map files that are chosen on the report page"), Needs.SURVEY, short=N("Actions", "Export")),
+         N("Actions", "Write the PDF, the tables and the map files that are chosen on the report page"), Needs.SURVEY,
+         short=N("Actions", "Export")),
     _row("preview_report", N("Actions", "See the report's pages"), "Ctrl+Shift+E", Page.FILE, "report.preview",
          N("Actions", "Show each page of the report as it will be, before anything is written"), Needs.SURVEY),
     _row("close", N("Actions", "Close survey"), "Ctrl+W", Page.FILE, "files.close_survey",
@@ -140,8 +141,8 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("why", N("Actions", "Why a leak"), "W", Page.REVIEW, "evidence.toggle",
          N("Actions", "Show what speaks for and against a leak here, or the list again"), Needs.CANDIDATE),
     _row("gallery", N("Actions", "Gallery"), "O", Page.REVIEW, "work.gallery.show",
-         N("Actions", "Show all candidates as pictures in metres, or go back; arrows choose, Enter opens, Z and X change "
-           "the size"), Needs.RESULTS, short=N("Actions", "Gallery")),
+         N("Actions", "Show all candidates as pictures in metres, or go back; arrows choose, Enter opens, Z and X "
+           "change the size"), Needs.RESULTS, short=N("Actions", "Gallery")),
     _row("photos", N("Actions", "Photos"), "P", Page.REVIEW, "work.photos.toggle",
          N("Actions", "Show the photos of the selected leak, or the list again"), Needs.CANDIDATE),
     _row("photo_attach", N("Actions", "Attach photos…"), "Shift+P", Page.REVIEW, "work.photos.attach",
@@ -150,8 +151,8 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("photo_paste", N("Actions", "Paste a photo"), "Ctrl+V", Page.REVIEW, "work.photos.paste",
          N("Actions", "Attach the picture in the clipboard to the selected leak"), Needs.CANDIDATE),
     _row("dig", N("Actions", "Found at the dig"), "Ctrl+F", Page.REVIEW, "work.digs.toggle",
-         N("Actions", "Enter what a dig showed beside what was stated, see all digs and what they say of the intervals; "
-           "pressed again, go back"), Needs.SURVEY, short=N("Actions", "Digs")),
+         N("Actions", "Enter what a dig showed beside what was stated, see all digs and what they say of the "
+           "intervals; pressed again, go back"), Needs.SURVEY, short=N("Actions", "Digs")),
     _row("second_review", N("Actions", "Second review, blind"), "Ctrl+J", Page.REVIEW, "work.second.toggle",
          N("Actions", "Let a second person judge without seeing the first verdicts; again: end it and compare"),
          Needs.WRITABLE),
@@ -210,8 +211,8 @@ ACTIONS: tuple[ActionRow, ...] = (
     _row("correlator", N("Actions", "Correlator"), "Ctrl+K", Page.VIEW, "correlator.show",
          N("Actions", "Find a leak between two fixed sensors from their recordings"), short=N("Actions", "Correlator")),
     _row("repeat", N("Actions", "Compare runs"), "Ctrl+L", Page.VIEW, "work.repeat.toggle",
-         N("Actions", "Put another run of the same pipe beside this one in metres: new, gone, grown; A hears one and the "
-           "other, G goes to the leak; pressed again, go back"), Needs.SURVEY, short=N("Actions", "Compare")),
+         N("Actions", "Put another run of the same pipe beside this one in metres: new, gone, grown; A hears one and "
+           "the other, G goes to the leak; pressed again, go back"), Needs.SURVEY, short=N("Actions", "Compare")),
     _row("left", N("Actions", "Cursor back"), "Left", Page.VIEW, "review.step_back",
          N("Actions", "Move the cursor one step back: a fiftieth of what is shown"), Needs.RESULTS),
     _row("right", N("Actions", "Cursor forward"), "Right", Page.VIEW, "review.step_forward",
