@@ -106,8 +106,15 @@ class ReviewStore:
             values = (created, run.settings_hash, to_json(run.versions))
             run_id = inserted(db, "INSERT INTO runs (created_utc, settings_hash, versions) VALUES (?, ?, ?)", values)
             known = self.candidates(latest) if latest is not None else ()
-            fresh = [insert_candidate(db, run_id, candidate) for candidate in self._numbered(candidates, known)]
-            carried = self._carry(db, run_id, fresh, operator, relocate)
+            waiting = {o.candidate.id: o for o in self._open_decisions(with_marks=True)}
+            # the undecided ones too: one that is plainly found again takes no decision from its neighbour
+            earlier = {c.id: c for c in known} | {i: orphan.candidate for i, orphan in waiting.items()}
+            named = [replace(candidate, id=place) for place, candidate in enumerate(candidates)]
+            found = partners(list(earlier.values()), named)
+            numbered = self._numbered(named, {place: earlier[old].label for old, place in found.items()})
+            fresh = [insert_candidate(db, run_id, candidate) for candidate in numbered]
+            again = {old: fresh[place].id for old, place in found.items() if old in waiting}
+            carried = self._carry(db, run_id, waiting, again, operator, relocate)
         return StoredRun(replace(run, id=run_id, created_utc=created), self.candidates(run_id), carried)
 
     def candidates(self, run: Run | int) -> tuple[Candidate, ...]:
@@ -281,13 +288,13 @@ class ReviewStore:
         self,
         db: Connection,
         run_id: int,
-        fresh: Sequence[Candidate],
+        waiting: Mapping[int, Orphan],
+        found: dict[int, int],
         operator: str,
         relocate: Callable[[Candidate], Candidate] | None,
     ) -> dict[int, int]:
-        waiting = {o.candidate.id: o for o in self._open_decisions(with_marks=True)}
+        """Let what was found again (old id → new id) have its decision, and the other marks come along."""
         manual = {row[0] for row in db.execute("SELECT candidate_id FROM manual_candidates")}
-        found = partners([o.candidate for o in waiting.values()], fresh)
         for old_id, new_id in found.items():
             db.execute("INSERT INTO carried (from_id, to_id) VALUES (?, ?)", (old_id, new_id))
             if waiting[old_id].decision != UNDECIDED:
@@ -308,16 +315,16 @@ class ReviewStore:
             self._write(db, stored.id, orphan.decision, operator, Reason.CARRY)
         return stored
 
-    def _numbered(self, candidates: Sequence[Candidate], known: Sequence[Candidate]) -> list[Candidate]:
-        """Return the candidates under the numbers by which people know them; what is new gets the next ones."""
-        named = [replace(candidate, id=place) for place, candidate in enumerate(candidates)]
-        before = {candidate.id: candidate.label for candidate in known}
-        numbers = {new: before[old] for old, new in partners(known, named).items()}
+    def _numbered(self, named: Sequence[Candidate], numbers: Mapping[int, int]) -> list[Candidate]:
+        """Return the candidates under the numbers (by id) that people know them by; what is new gets the next ones."""
         free = self._next_number()
-        out = []
+        out, taken = [], set[int]()
         for candidate in named:
             number = numbers.get(candidate.id, free)
+            if number in taken:  # never two leaks of one name, whatever an older version stored
+                number = free
             free += number == free
+            taken.add(number)
             out.append(replace(candidate, number=number))
         self._highest_number = free - 1
         return out

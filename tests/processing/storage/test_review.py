@@ -300,3 +300,22 @@ def test_the_same_run_again_is_recognised_whatever_its_leaks_are_called(folder, 
     again = folder.review.add_run(Run(0, "", "a"), found)
     assert not again.is_new
     assert again.candidates == stored.candidates
+
+
+def test_a_rejection_never_goes_to_an_undecided_neighbour_that_is_plainly_found_again(folder, candidate):
+    first = folder.review.add_run(Run(0, "", "hash-1"), [candidate(100), candidate(102.5)])
+    leak, noise = first.candidates
+    folder.review.decide(noise.id, Decision(Verdict.REJECTED), "Ayşe")
+    second = folder.review.add_run(Run(0, "", "hash-2"), [candidate(100.1)])  # the noise is not found any more
+    assert [c.label for c in second.candidates] == [leak.label]
+    assert folder.review.decisions(second.run) == {}
+    assert [orphan.candidate.id for orphan in folder.review.orphaned_decisions()] == [noise.id]
+
+
+def test_what_a_run_lost_and_a_later_one_found_again_has_its_number_and_decision_back(folder, candidate):
+    first = folder.review.add_run(Run(0, "", "hash-1"), [candidate(100), candidate(200)])
+    folder.review.decide(first.candidates[1].id, Decision(Verdict.CONFIRMED), "Ayşe")
+    folder.review.add_run(Run(0, "", "hash-2"), [candidate(100), candidate(300)])
+    third = folder.review.add_run(Run(0, "", "hash-3"), [candidate(200.2), candidate(100), candidate(300)])
+    assert [c.label for c in third.candidates] == [2, 1, 3]
+    assert folder.review.decisions(third.run) == {third.candidates[0].id: Decision(Verdict.CONFIRMED)}
