@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from processing.coordinates import LocalFrame
-from processing.dig_place import local_place, on_path
-from processing.errors import LeaklineError
+from processing.dig_place import FAR_M, Projected, local_place, on_path
+from processing.errors import ErrorCode, LeaklineError
 from processing.review_facts import DigFinding, DigResult
 from processing.survey import Track
 from widgets.dig_form import CHAINAGE, COORDINATES, TAPE, DigAnswer
@@ -48,10 +48,9 @@ def figured(answer: DigAnswer, stated: DigResult, track: Track | None, frame: Lo
         if track is None:
             return Figured(None, missing=Missing.PATH)
         try:
-            place = local_place(answer.coordinates, frame)
+            projected = _projected(answer.coordinates, track, frame, stated.stated_chainage_m)
         except LeaklineError as error:
             return Figured(None, error=error)
-        projected = on_path(track, *place, near_m=stated.stated_chainage_m)
         found = projected.chainage_m
         across = projected.across_m if across is None else across
     if found is None:
@@ -63,6 +62,14 @@ def figured(answer: DigAnswer, stated: DigResult, track: Track | None, frame: Lo
     if stated.stated_chainage_m is None:
         return Figured(None, missing=Missing.STATED)
     return Figured(_result(answer, stated, found - stated.stated_chainage_m, across), found)
+
+
+def _projected(text: str, track: Track, frame: LocalFrame, near_m: float | None) -> Projected:
+    """Return where on the path typed coordinates are; raises LeaklineError PLACE_UNREADABLE, PLACE_FAR."""
+    projected = on_path(track, *local_place(text, frame), near_m=near_m)
+    if abs(projected.across_m) > FAR_M:
+        raise LeaklineError(ErrorCode.PLACE_FAR, away_m=abs(projected.across_m))
+    return projected
 
 
 def _by_tape(answer: DigAnswer, stated: DigResult) -> Figured:

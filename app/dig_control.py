@@ -19,8 +19,10 @@ from app.review_commands import Decide, EditSurvey, Mark
 from app.services import Services
 from processing.coordinates import LocalFrame, frame_of
 from processing.errors import LeaklineError
+from processing.reporting.references import is_heading_known
 from processing.review_facts import DigFinding, DigResult
 from processing.survey import Decision, LeakClass, StatedIntervals, Verdict
+from widgets.dig_form import COORDINATES
 from widgets.dig_list import SIGNS
 from widgets.units import quantities
 
@@ -139,7 +141,10 @@ class DigControl(QObject):
             return stated_as(known, empty)
         if chosen is None:
             return empty
-        newest = statement == 0
+        runs = [offered.run_id for offered in self._statements]
+        if known is not None and known.run_id not in runs and statement == 0:
+            return stated_as(known, empty)  # its own run states it no more, and nobody has chosen another
+        newest = chosen.run_id == max(runs)
         widen = self._session.survey.stated.widen if newest else 1.0
         return stated_by(chosen.candidate, chosen.run_id, empty, widen)
 
@@ -147,7 +152,8 @@ class DigControl(QObject):
         assert self.page is not None  # asked by its form
         answer = self.page.form.answer
         results = self._session.results
-        track = None if results is None else results.track
+        placed = results is not None and is_heading_known(results)  # else the path lies anyhow on the map
+        track = results.track if results is not None and (placed or answer.measured != COORDINATES) else None
         return figured(answer, self._stated(answer.statement), track, self._frame())
 
     def _frame(self) -> LocalFrame:
@@ -271,7 +277,8 @@ class DigControl(QObject):
         page.form.setEnabled(self._session.writable)
         known = self.ledger.results.get(number)
         missed = number == MISSED or (known is not None and known.missed)
-        self._statements = () if missed else _different(folder.digs.statements(number))
+        own = known.run_id if known is not None else None
+        self._statements = () if missed else _different(folder.digs.statements(number), own)
         runs = [statement.run_id for statement in self._statements]
         chosen = runs.index(known.run_id) if known is not None and known.run_id in runs else 0
         defaults = self._words.causes()
@@ -305,12 +312,17 @@ class DigControl(QObject):
         self.page.set_history("\n".join(s for s in sentences if s), self._words.widening(stated, history))
 
 
-def _different(statements: "tuple[Statement, ...]") -> "tuple[Statement, ...]":
-    """Return the statements, newest first, without those that say what the one before says."""
+def _different(statements: "tuple[Statement, ...]", own: int | None) -> "tuple[Statement, ...]":
+    """Return the statements, newest first, without those that say what the one before says; run ``own`` always stays.
+
+    What a dig is held against is frozen: a later run that happens to say the same must not take its place.
+    """
     kept: list[Statement] = []
     for statement in statements:
         if not kept or _figures(kept[-1]) != _figures(statement):
             kept.append(statement)
+        elif statement.run_id == own:
+            kept[-1] = statement
     return tuple(kept)
 
 

@@ -11,6 +11,9 @@ from processing.survey import FloatArray, Track
 
 _ANOTHER_PASS = 0.002  # metres of distance that a metre along the pipe is worth: of two passes the nearer one along it
 _MOST_ROWS = 200_000
+FAR_M = 100.0  # farther beside the path nobody has dug up its pipe: numbers were mistyped or changed places
+_NORTH, _EAST = "NSKG", "EWDB"  # English and Turkish (kuzey, güney, doğu, batı); the second of each pair is negative
+_NEGATIVE = "SGWB"
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,8 @@ def local_place(text: str, frame: LocalFrame) -> tuple[float, float]:
     """Return the local east and north of typed coordinates: latitude and longitude, or east and north of the grid.
 
     Two numbers apart by a comma with a blank, a blank, a semicolon or a slash; decimal points or commas. Where they can
-    be degrees and the survey has a place in the world, they are taken for degrees.
+    be degrees and the survey has a place in the world, they are taken for degrees. Letters of the compass (``75.2 W``,
+    ``32,85 D``) give sign and order.
 
     Raises:
         LeaklineError: PLACE_UNREADABLE for anything else.
@@ -33,28 +37,52 @@ def local_place(text: str, frame: LocalFrame) -> tuple[float, float]:
     numbers = _pair(text)
     if numbers is None:
         raise LeaklineError(ErrorCode.PLACE_UNREADABLE, text=text[:80])
-    first, second = numbers
-    if frame.is_geographic and abs(first) <= 90.0 and abs(second) <= 180.0:
-        local = frame.from_geographic([[first, second, frame.height_m]])[0]
+    (first, axis), (second, other) = numbers
+    if axis and axis == other:
+        raise LeaklineError(ErrorCode.PLACE_UNREADABLE, text=text[:80])
+    if axis == _EAST or other == _NORTH:
+        east, north = first, second
+    elif axis == _NORTH or other == _EAST:
+        east, north = second, first
+    else:  # as people say them: degrees of latitude first, metres east first
+        degrees = frame.is_geographic and abs(first) <= 90.0 and abs(second) <= 180.0
+        east, north = (second, first) if degrees else (first, second)
+    if frame.is_geographic and abs(north) <= 90.0 and abs(east) <= 180.0:
+        local = frame.from_geographic([[north, east, frame.height_m]])[0]
     else:
-        local = frame.from_grid([[first, second, frame.height_m]], frame.grid)[0]
+        local = frame.from_grid([[east, north, frame.height_m]], frame.grid)[0]
     if not np.all(np.isfinite(local)):
         raise LeaklineError(ErrorCode.PLACE_UNREADABLE, text=text[:80])
     return float(local[0]), float(local[1])
 
 
-def _pair(text: str) -> tuple[float, float] | None:
-    bare = re.sub(r"[°NSEWKDnsewkd]", " ", text.replace("\N{MINUS SIGN}", "-")).strip()
+def _pair(text: str) -> tuple[tuple[float, str], tuple[float, str]] | None:
+    """Return two numbers, each with the letters of its axis where one of them was written at it."""
+    bare = text.replace("°", " ").replace("\N{MINUS SIGN}", "-").strip().upper()
+    letter = f"[{_NORTH}{_EAST}]"
+    # N 39.92 or 39.92 N: the letter stands at its number
+    bare = re.sub(rf"({letter})\s+", r"\1", bare) if bare[:1].isalpha() else re.sub(rf"\s+({letter})", r"\1", bare)
     parts = re.split(r"\s*[;/]\s*|,\s+|\s+", bare)
     if len(parts) == 1 and bare.count(",") == 1 and "." in bare:
         parts = bare.split(",")  # 39.92,32.85
     if len(parts) != 2:
         return None
+    first, second = (_number(part) for part in parts)
+    return None if first is None or second is None else (first, second)
+
+
+def _number(part: str) -> tuple[float, str] | None:
+    """Return a number and the letters of its axis; south and west are negative, whether or not a sign says so too."""
+    found = re.fullmatch(rf"([{_NORTH}{_EAST}])?([-+]?[\d.,]+)([{_NORTH}{_EAST}])?", part)
+    if found is None or (found[1] and found[3]):
+        return None
     try:
-        first, second = (float(part.replace(",", ".")) for part in parts)
+        value = float(found[2].replace(",", "."))
     except ValueError:
         return None
-    return (first, second) if np.isfinite(first) and np.isfinite(second) else None
+    letter = found[1] or found[3] or ""
+    axis = _NORTH if letter and letter in _NORTH else _EAST if letter else ""
+    return (-abs(value) if letter and letter in _NEGATIVE else value), axis
 
 
 def on_path(track: Track, east_m: float, north_m: float, near_m: float | None = None) -> Projected:

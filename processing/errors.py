@@ -84,6 +84,7 @@ class ErrorCode(StrEnum):
     OPINIONS_OTHER_SURVEY = "opinions_other_survey"
     OPINIONS_NONE = "opinions_none"
     PLACE_UNREADABLE = "place_unreadable"
+    PLACE_FAR = "place_far"
     REPEAT_NOT_PROCESSED = "repeat_not_processed"
     REPEAT_SAME_SURVEY = "repeat_same_survey"
     REPEAT_NO_PATH = "repeat_no_path"

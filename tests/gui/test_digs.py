@@ -22,7 +22,7 @@ from processing.reporting.content import make_content
 from processing.review_facts import DigFinding, DigResult
 from processing.storage.digs import DigEntry
 from processing.storage.folder import SurveyFolder
-from processing.survey import StatedIntervals, Verdict
+from processing.survey import Finding, Severity, StatedIntervals, Verdict
 from widgets.dig_list import Held
 
 
@@ -150,6 +150,17 @@ def test_a_later_run_does_not_change_what_had_been_stated(control, session):
     assert on_disc(session)[1].stated_chainage_m == 20.4
 
 
+def test_a_correction_after_a_like_run_and_a_widening_keeps_what_the_crew_dug_by(control, session):
+    enter(control, 1, "1.5")
+    before = on_disc(session)[1]
+    session.set_results(other_run(make_results(session.folder), (20.0, 40.0), "settings that change nothing here"))
+    session.write_survey(replace(session.survey, stated=StatedIntervals(3.0, 12, "rolling/*/*/*")))
+    enter(control, 1, "1.6")
+    after = on_disc(session)[1]
+    assert after == replace(before, off_along_m=1.6, at_utc=after.at_utc)
+    assert control._words.held(after) is Held.OUTSIDE
+
+
 def test_chainage_and_coordinates_become_an_offset_from_the_statement(control, session):
     control.toggle()
     press(control, "dig_finding_leak", "dig_by_chainage")
@@ -168,6 +179,16 @@ def test_chainage_and_coordinates_become_an_offset_from_the_statement(control, s
     press(control, "dig_finding_leak", "dig_by_coordinates")
     fill(control.page.form._coordinates, "forty one")
     assert "is not a place" in said(control)
+    fill(control.page.form._coordinates, "410 -2")
+    assert "m beside the path of this survey" in said(control)  # the pipe is 100 m long
+    press(control, "dig_save")
+    assert 3 not in on_disc(session)
+    unknown = replace(session.results, findings=(Finding("heading_unknown", Severity.WARNING),))
+    session.set_results(unknown)
+    control._choose(3)
+    press(control, "dig_finding_leak", "dig_by_coordinates")
+    fill(control.page.form._coordinates, "61 -2")
+    assert "no path to put coordinates on" in said(control)
 
 
 def test_a_leak_found_elsewhere_is_marked_confirmed_and_dug_in_one_step(control, session):

@@ -55,6 +55,24 @@ def test_degrees_are_read_however_people_write_them(text):
     assert north == pytest.approx(99.9, abs=0.2)  # 0.0009° of latitude
 
 
+@pytest.mark.parametrize(
+    ("text", "latitude", "longitude"),
+    [
+        ("40.1234 N 75.4321 W", 40.1234, -75.4321),
+        ("N40.1234, W75.4321", 40.1234, -75.4321),
+        ("W 75.4321 N 40.1234", 40.1234, -75.4321),
+        ("33,8765° S; 151,2012° E", -33.8765, 151.2012),
+        ("-33.8765 S 151.2012 E", -33.8765, 151.2012),
+        ("39,9209 K 32,8512 D", 39.9209, 32.8512),  # kuzey, doğu
+        ("32,8512 d 39,9209 k", 39.9209, 32.8512),
+        ("33,8765 G 70,6543 B", -33.8765, -70.6543),  # güney, batı
+    ],
+)
+def test_the_letters_of_the_compass_give_sign_and_order(text, latitude, longitude):
+    frame = local_frame(Launch(latitude=latitude, longitude=longitude))
+    assert local_place(text, frame) == (pytest.approx(0.0, abs=1e-6), pytest.approx(0.0, abs=1e-6))
+
+
 def test_east_and_north_are_those_of_the_surveys_grid():
     grid = ANKARA.to_grid([[12.0, 34.0, 0.0]], "EPSG:32636")[0]
     assert local_place(f"{grid[0]:.3f} {grid[1]:.3f}", ANKARA) == (
@@ -63,7 +81,9 @@ def test_east_and_north_are_those_of_the_surveys_grid():
     assert local_place("12,5; 34", LocalFrame()) == (12.5, 34.0)
 
 
-@pytest.mark.parametrize("text", ["", "12.5", "abc def", "1 2 3", "nan 4", "39,92,32,85"])
+@pytest.mark.parametrize(
+    "text", ["", "12.5", "abc def", "1 2 3", "nan 4", "39,92,32,85", "39.9 N 32.8 N", "N39.9E 32.8"]
+)
 def test_what_is_no_pair_of_numbers_is_refused(text):
     with pytest.raises(LeaklineError) as caught:
         local_place(text, ANKARA)
