@@ -19,7 +19,6 @@ from app.review_commands import Decide, EditSurvey, Mark
 from app.services import Services
 from processing.coordinates import LocalFrame, frame_of
 from processing.errors import LeaklineError
-from processing.reporting.references import is_heading_known
 from processing.review_facts import DigFinding, DigResult
 from processing.survey import Decision, LeakClass, StatedIntervals, Verdict
 from widgets.dig_form import COORDINATES
@@ -149,6 +148,8 @@ class DigControl(QObject):
         return stated_by(chosen.candidate, chosen.run_id, empty, widen)
 
     def _figured(self) -> Figured:
+        from processing.reporting.references import is_heading_known
+
         assert self.page is not None  # asked by its form
         answer = self.page.form.answer
         results = self._session.results
