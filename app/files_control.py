@@ -283,7 +283,7 @@ class FilesControl(QObject):
         opening.complete(self._session.folder, results)
         try:
             self._session.set_results(
-                results, relocate=lambda mark: replace(candidate_at(results, mark.time_s), id=mark.id)
+                results, relocate=lambda mark: replace(candidate_at(results, mark.time_s), leak_class=mark.leak_class)
             )
         except LeaklineError as error:
             self._boxes().error(error)

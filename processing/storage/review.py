@@ -308,7 +308,8 @@ class ReviewStore:
     def _continue_manually(
         self, db: Connection, run_id: int, orphan: Orphan, moved: Candidate, operator: str, *, by_hand: bool
     ) -> Candidate:
-        stored = self._insert_manual(db, run_id, moved)
+        # photos, digs and second opinions are kept by the number
+        stored = self._insert_manual(db, run_id, replace(moved, number=orphan.candidate.label))
         values = (orphan.candidate.id, stored.id, int(by_hand))
         db.execute("INSERT INTO carried (from_id, to_id, by_hand) VALUES (?, ?, ?)", values)
         if orphan.decision != UNDECIDED:

@@ -319,3 +319,15 @@ def test_what_a_run_lost_and_a_later_one_found_again_has_its_number_and_decision
     third = folder.review.add_run(Run(0, "", "hash-3"), [candidate(200.2), candidate(100), candidate(300)])
     assert [c.label for c in third.candidates] == [2, 1, 3]
     assert folder.review.decisions(third.run) == {third.candidates[0].id: Decision(Verdict.CONFIRMED)}
+
+
+def test_a_mark_that_a_new_path_moves_keeps_its_number_by_which_its_photos_are_kept(folder, candidate):
+    first = folder.review.add_run(Run(0, "", "hash-1"), [candidate(100), candidate(200)])
+    mark = folder.review.add_manual_candidate(first.run, candidate(300), "Ayşe", Decision(Verdict.CONFIRMED))
+    mark = folder.review.move_manual_candidate(mark.id, candidate(310), "Ayşe")
+    second = folder.review.add_run(
+        Run(0, "", "hash-2"), [candidate(100), candidate(200)], relocate=lambda old: candidate(old.time_s, 330.0)
+    )
+    (again,) = (c for c in second.candidates if c.id in folder.review.manual_ids(second.run))
+    assert (again.label, again.chainage_m) == (mark.label, 330.0)
+    assert folder.review.decision(again.id) == Decision(Verdict.CONFIRMED)
