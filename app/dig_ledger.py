@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Signal
 from app.jobs import Job, Jobs
 from app.survey_session import SurveySession
 from processing import messages
-from processing.errors import ErrorCode, LeaklineError
+from processing.errors import LeaklineError
 from processing.review_facts import DigHistory, DigResult
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class DigLedger(QObject):
 
     def __init__(self, session: SurveySession, jobs: Jobs, language: str, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._session, self._jobs, self._language = session, jobs, language
+        self.session, self._jobs, self._language = session, jobs, language
         self.results: dict[int, DigResult] = {}
         self.remembered = Remembered()
         self._kind_of: Survey | None = None  # that the history was last asked for
@@ -55,6 +55,7 @@ class DigLedger(QObject):
         self._running: list[Job] = []
         session.opened.connect(self._on_opened)
         session.survey_changed.connect(self._on_survey)
+        session.annexes_changed.connect(self._on_annexes)
         self._on_opened()
 
     @property
@@ -64,28 +65,11 @@ class DigLedger(QObject):
 
     def write(self, number: int, result: DigResult | None) -> bool:
         """Put what a dig showed on disc, None takes it back; False, having told why, where it could not be written."""
-        session = self._session
-        folder = session.folder
-        if folder is None or not session.writable:
-            session.refused.emit(LeaklineError(ErrorCode.SURVEY_READ_ONLY))
-            return False
-        try:
-            if result is None:
-                folder.digs.clear(number, session.operator)
-            else:
-                folder.digs.record(replace(result, number=number), session.operator)
-            self.results = folder.digs.results()
-        except LeaklineError as error:
-            log.warning("the dig was not written: %s", error)
-            session.refused.emit(error)
-            return False
-        self.changed.emit()
-        self.refresh()
-        return True
+        return write_dig(self.session, number, result)
 
     def refresh(self) -> None:
         """Let the history follow the survey's log, and ask it anew."""
-        folder = self._session.folder
+        folder = self.session.folder
         if folder is None:
             return
         if self._working:
@@ -96,8 +80,8 @@ class DigLedger(QObject):
         except LeaklineError as error:
             self._tell(error)
             return
-        self._kind_of = self._session.survey
-        step = partial(_follow, history_file(), folder.identity, self._session.survey, entries)
+        self._kind_of = self.session.survey
+        step = partial(_follow, history_file(), folder.identity, self.session.survey, entries)
         self._working = True
         self._start(step, self.tr("History of digs"), self._take, quiet=True).finished.connect(self._ended)
 
@@ -122,8 +106,21 @@ class DigLedger(QObject):
 
         self._start(lambda: _taken_in(path), self.tr("Taking in the history of digs"), done)
 
+    def _on_annexes(self) -> None:
+        """Take what was written, by whichever window's hand; photos change nothing here."""
+        folder = self.session.folder
+        try:
+            found = {} if folder is None else folder.digs.results()
+        except LeaklineError as error:
+            self._tell(error)
+            return
+        if found != self.results:
+            self.results = found
+            self.changed.emit()
+            self.refresh()
+
     def _on_opened(self) -> None:
-        folder = self._session.folder
+        folder = self.session.folder
         self.results, self.remembered = {}, Remembered()
         if folder is not None:
             try:
@@ -136,7 +133,7 @@ class DigLedger(QObject):
             self.refresh()
 
     def _on_survey(self) -> None:
-        if self.results and self._kind_of is not None and self._session.survey != self._kind_of:
+        if self.results and self._kind_of is not None and self.session.survey != self._kind_of:
             self.refresh()
 
     def stop(self) -> None:
@@ -163,7 +160,7 @@ class DigLedger(QObject):
 
     def _take(self, remembered: object) -> None:
         assert isinstance(remembered, Remembered)
-        if self._session.folder is not None:
+        if self.session.folder is not None:
             self.remembered = remembered
             self.history_changed.emit()
 
@@ -173,6 +170,23 @@ class DigLedger(QObject):
             raise error
         log.warning("the history of digs: %s", error)
         self.told.emit(messages.error_sentence(error, self._language))
+
+
+def write_dig(session: SurveySession, number: int, result: DigResult | None) -> bool:
+    """Put what a dig showed on disc, None takes it back; False, having told why, where it could not be written."""
+
+    def write() -> None:
+        folder = session.folder
+        assert folder is not None  # else the session refuses before
+        if result is None:
+            folder.digs.clear(number, session.operator)
+        else:
+            folder.digs.record(replace(result, number=number), session.operator)
+
+    if not session.write(write):
+        return False
+    session.annexes_changed.emit(number)
+    return True
 
 
 def _file() -> "HistoryFile":

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoCommand
 
 from app.survey_session import SurveySession
@@ -10,13 +9,13 @@ from processing.review_facts import Photo
 from processing.storage.photos import CopiedPhoto
 
 
-class PhotoDesk(QObject):
-    """Writes photos of the open survey and tells of each change; a refusal is told by the session."""
+class PhotoDesk:
+    """Writes photos of the open survey; the session tells of each change, and of a refusal.
 
-    changed = Signal(int)  # the leak's number
+    It knows no window: the undo stack, whose commands hold it, outlives the window when the language changes.
+    """
 
-    def __init__(self, session: SurveySession, parent: QObject | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, session: SurveySession) -> None:
         self.session = session
 
     def photos(self, number: int) -> tuple[Photo, ...]:
@@ -33,7 +32,7 @@ class PhotoDesk(QObject):
         store = folder.photos
         if not self.session.write(lambda: added.append(store.add_copied(number, copied, caption, operator))):
             return None
-        self.changed.emit(number)
+        self.session.annexes_changed.emit(number)
         return added[0]
 
     def set_withdrawn(self, photo: Photo, *, withdrawn: bool) -> bool:
@@ -44,7 +43,7 @@ class PhotoDesk(QObject):
         call = folder.photos.withdraw if withdrawn else folder.photos.reinstate
         if not self.session.write(lambda: call(photo.id)):
             return False
-        self.changed.emit(photo.number)
+        self.session.annexes_changed.emit(photo.number)
         return True
 
     def set_caption(self, photo: Photo, text: str) -> bool:
@@ -52,7 +51,7 @@ class PhotoDesk(QObject):
         folder = self.session.folder
         if folder is None or not self.session.write(lambda: folder.photos.set_caption(photo.id, text)):
             return False
-        self.changed.emit(photo.number)
+        self.session.annexes_changed.emit(photo.number)
         return True
 
 

@@ -32,6 +32,7 @@ NAME = "photos"
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".heic", ".heif"})
 SHOWN_PX = 1280
 KEPT = 12  # pictures in memory: 5 MB each at most
+CROWDED_PX = 640  # where one leak has more than that: all of them are kept, 1.3 MB each at most
 FAR_M = 50.0  # a photo taken farther away than this is perhaps of another leak
 
 
@@ -56,9 +57,10 @@ class PhotoControl(QObject):
         self._page = window.review_page
         self._tools = self._page.tools
         self.panel = PhotoPanel()
-        self.desk = PhotoDesk(self._session, self)
+        self.desk = PhotoDesk(self._session)
         self._kept: OrderedDict[str, ReadPhoto] = OrderedDict()
         self._asked: list[tuple[str, Path]] = []  # what the worker is reading
+        self._most = KEPT
         self._title = self.tr("Photos")
         self._tools.add_tool(NAME, self._title, self.panel, pages=("leaks",))
         self._loader = LatestLoader(self)
@@ -68,7 +70,8 @@ class PhotoControl(QObject):
         session.candidates_changed.connect(self._show)
         session.results_changed.connect(self._forget)
         session.opened.connect(self._forget)
-        self.desk.changed.connect(lambda _number: self._show())
+        session.closing.connect(self.panel.flush)
+        session.annexes_changed.connect(self._show)
         self._tools.chosen.connect(lambda _name: self._show())
         panel.attach_asked.connect(self.attach)
         panel.paste_asked.connect(self.paste)
@@ -130,7 +133,7 @@ class PhotoControl(QObject):
         self._jobs.start(
             lambda progress: copy_all(place, number, sources, progress),
             title=self.tr("Copying photos"),
-            on_success=lambda result: self._attach(row.name, number, *result),
+            on_success=lambda result: self._attach(place, row.name, number, *result),
         )
 
     def _bring_image(self, image: QImage) -> None:
@@ -149,10 +152,19 @@ class PhotoControl(QObject):
                 return copy_all(place, number, (source,), progress)
 
         self._jobs.start(
-            step, title=self.tr("Copying photos"), on_success=lambda result: self._attach(row.name, number, *result)
+            step,
+            title=self.tr("Copying photos"),
+            on_success=lambda result: self._attach(place, row.name, number, *result),
         )
 
-    def _attach(self, name: str, number: int, copied: list[CopiedPhoto], errors: list[LeaklineError]) -> None:
+    def _attach(
+        self, place: Path, name: str, number: int, copied: list[CopiedPhoto], errors: list[LeaklineError]
+    ) -> None:
+        folder = self._session.folder
+        if folder is None or folder.path != place:  # a leak of another survey may have the same number
+            text = self.tr("Photos not attached: their survey was closed while they were copied. Attach them again.")
+            self.told.emit(text)
+            return
         known = {photo.sha256 for photo in self.desk.photos(number)}
         fresh = [one for one in copied if one.sha256 not in known]
         if fresh:
@@ -171,9 +183,13 @@ class PhotoControl(QObject):
             self._session.push(RemovePhoto(self.desk, text, photo))
 
     def _set_caption(self, photo_id: int, caption: str) -> None:
-        row, photo = self._row(), self._photo(photo_id)
-        if row is not None and photo is not None and photo.caption != caption:
-            text = self.tr("caption of {name}").format(name=row.name)
+        """Write a caption, perhaps of a leak that was left while it was being typed."""
+        folder = self._session.folder
+        photos = () if folder is None else folder.photos.photos()
+        photo = next((photo for photo in photos if photo.id == photo_id), None)
+        if photo is not None and photo.caption != caption:
+            names = {row.candidate.label: row.name for row in self._session.rows()}
+            text = self.tr("caption of {name}").format(name=names.get(photo.number, photo.number))
             self._session.push(CaptionPhoto(self.desk, text, photo, caption))
 
     # --- showing ------------------------------------------------------------------------------------------------
@@ -199,6 +215,7 @@ class PhotoControl(QObject):
         if not self._tools.is_in_front(NAME):
             return  # the pictures are read when somebody looks
         shown = [self._shown(row, photo) for photo in photos] if row is not None else []
+        self._most = max(KEPT, len(photos))  # else those in front would push each other out for ever
         self.panel.show_photos("" if row is None else row.name, shown, writable=self._session.writable)
         self._read([photo for photo in photos if photo.sha256 not in self._kept])
 
@@ -221,13 +238,14 @@ class PhotoControl(QObject):
         if wanted == self._asked:
             return
         self._asked = wanted
-        self._loader.request(lambda: [read_photo(sha256, path) for sha256, path in wanted])
+        size = SHOWN_PX if self._most <= KEPT else CROWDED_PX
+        self._loader.request(lambda: [read_photo(sha256, path, size) for sha256, path in wanted])
 
     def _take(self, found: list[ReadPhoto]) -> None:
         self._asked = []
         for read in found:
             self._kept[read.sha256] = read
-        while len(self._kept) > KEPT:
+        while len(self._kept) > self._most:
             self._kept.popitem(last=False)
         self._show()
 
@@ -306,9 +324,9 @@ def copy_all(
     return copied, errors
 
 
-def read_photo(sha256: str, path: Path) -> ReadPhoto:
+def read_photo(sha256: str, path: Path, size_px: int = SHOWN_PX) -> ReadPhoto:
     """Read a picture small, and what it tells of itself; for a worker."""
     try:
-        return ReadPhoto(sha256, QImage.fromData(small_photo(path, SHOWN_PX)), photo_facts(path))
+        return ReadPhoto(sha256, QImage.fromData(small_photo(path, size_px)), photo_facts(path))
     except LeaklineError as error:
         return ReadPhoto(sha256, None, None, error)

@@ -48,6 +48,7 @@ class SurveySession(QObject):
     survey_changed = Signal()  # form or tie points
     reviewer_changed = Signal()  # whose decisions they are
     opinions_changed = Signal()  # of second reviewers, by import
+    annexes_changed = Signal(int)  # photos or digs, of the leak with this number
     refused = Signal(object)  # LeaklineError: a change that could not be written; nothing has changed
 
     def __init__(self, parent: QObject | None = None) -> None:

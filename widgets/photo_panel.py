@@ -82,8 +82,8 @@ class PhotoPanel(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._photos: tuple[ShownPhoto, ...] = ()
+        self._captioned: ShownPhoto | None = None  # whose caption is in the field
         self._writable = False
-        self._hint = ""
         self._title = QLabel()
         self._title.setObjectName("photo_title")
         self._picture = PictureWidget("")
@@ -135,7 +135,7 @@ class PhotoPanel(QWidget):
         strip.setFixedHeight(STRIP_PX + 30)
         strip.setHorizontalScrollMode(QListView.ScrollMode.ScrollPerPixel)
         strip.setAccessibleName(self.tr("Photos of this leak"))
-        strip.currentRowChanged.connect(lambda _row: self._show_current())
+        strip.currentRowChanged.connect(lambda _row: self._choose())
         strip.itemActivated.connect(lambda _item: self.show_large())
         strip.installEventFilter(self)
         return strip
@@ -152,6 +152,9 @@ class PhotoPanel(QWidget):
     def show_photos(self, name: str, photos: Sequence[ShownPhoto], *, writable: bool) -> None:
         """Show the photos of the leak ``name``, empty where none is selected; the chosen one stays chosen."""
         before, ids = self.current_id, [photo.id for photo in self._photos]
+        if self._captioned is not None and all(photo.id != self._captioned.id for photo in photos):
+            self.flush()  # its leak is left while the caption is still being typed
+            self._captioned = None
         self._photos, self._writable = tuple(photos), writable and bool(name)
         same = ids == [photo.id for photo in self._photos]
         fresh = [photo.id for photo in self._photos if photo.id not in ids]
@@ -208,7 +211,9 @@ class PhotoPanel(QWidget):
         self._picture.show_image(photo.image if photo is not None else None, hint)
         self._told.setText(photo.told if photo is not None and not failed else "")
         self._told.setVisible(bool(self._told.text()))
-        if not self._caption.hasFocus() or photo is None:
+        before, self._captioned = self._captioned, photo
+        same = before is not None and photo is not None and before.id == photo.id
+        if not (same and self._caption.hasFocus()):
             self._caption.setText(photo.caption if photo is not None else "")
         self._caption.setEnabled(photo is not None)
         self._caption.setReadOnly(not self._writable)
@@ -220,6 +225,11 @@ class PhotoPanel(QWidget):
     def flush(self) -> None:
         """Announce a caption that is still being typed."""
         self._on_caption()
+
+    def _choose(self) -> None:
+        """Go to another photo of the leak; what was typed belongs to the one before."""
+        self.flush()
+        self._show_current()
 
     def show_large(self) -> None:
         """Show the chosen photo in a window of its own; arrows go on, any other key or a touch closes it."""
@@ -238,7 +248,7 @@ class PhotoPanel(QWidget):
         return super().eventFilter(watched, event)
 
     def _on_caption(self) -> None:
-        photo = self._current()
+        photo = self._captioned
         if photo is not None and self._writable and self._caption.text().strip() != photo.caption:
             self.caption_changed.emit(photo.id, self._caption.text().strip())
 

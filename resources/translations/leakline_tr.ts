@@ -3719,7 +3719,7 @@
     </message>
     <message>
         <source>Photos not attached: their survey was closed while they were copied. Attach them again.</source>
-        <translation type="unfinished"></translation>
+        <translation>Fotoğraflar eklenmedi: kopyalanırken ölçüm kapatıldı. Yeniden ekleyin.</translation>
     </message>
     <message>
         <source>Pictures</source>

@@ -5,14 +5,19 @@ from dataclasses import replace
 import pytest
 from kept_window import kept_fixture, window_fixture
 from PIL import Image
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QGuiApplication, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLabel, QLineEdit, QPushButton
-from small_survey import make_results
+from small_survey import make_folder, make_results
 
-from app.photo_control import picture_paths
+from app import photo_control
+from app.dig_commands import RecordDig
+from app.main_window import MainWindow
+from app.photo_commands import RemovePhoto
+from app.photo_control import picture_paths, read_photo
 from processing.errors import ErrorCode
+from processing.review_facts import DigFinding, DigResult
 from processing.storage.folder import SurveyFolder
 from processing.survey import Launch
 from widgets.photo_panel import PhotoDialog
@@ -249,3 +254,87 @@ def test_large_shows_the_photos_one_by_one(qtbot, window, session, bring, tmp_pa
     assert dialog.shown == panel._photos[1]
     QTest.keyClick(dialog, KEY.Key_Space)
     assert not dialog.isVisible()
+
+
+def test_a_leak_with_more_photos_than_are_kept_shows_all_of_them_and_then_reads_no_more(
+    qtbot, window, bring, tmp_path, monkeypatch
+):
+    read = []
+    monkeypatch.setattr(
+        photo_control, "read_photo", lambda sha256, *rest: (read.append(sha256), read_photo(sha256, *rest))[1]
+    )
+    count = photo_control.KEPT + 2
+    bring(*(picture(tmp_path / f"{k}.jpg", (10 * k, 99, 0)) for k in range(count)))
+    panel = window.work.photos.panel
+    qtbot.waitUntil(lambda: len(panel._photos) == count and all(photo.image is not None for photo in panel._photos))
+    qtbot.wait(150)  # one that pushes out another would be read again at once
+    assert len(read) == len(set(read)) == count
+
+
+def test_a_caption_belongs_to_the_photo_it_was_typed_below_wherever_the_selection_goes(
+    window, session, bring, tmp_path
+):
+    first, second = session.ordered_ids()[:2]
+    bring(picture(tmp_path / "a.jpg"))
+    session.select(second)
+    bring(picture(tmp_path / "b.jpg", (1, 2, 3)))
+    session.select(first)
+    field = window.work.photos.panel.findChild(QLineEdit, "photo_caption")
+    field.setFocus()
+    QTest.keyClicks(field, "of the first")
+    session.select(second)  # by a button or a menu, which take no focus
+    assert field.text() == ""
+    QTest.keyClick(field, KEY.Key_Return)
+    numbers = [session.row(i).candidate.label for i in (first, second)]
+    assert sorted(on_disc(session)) == sorted(zip(numbers, ("of the first", ""), strict=True))
+    session.undo_stack.undo()
+    assert sorted(on_disc(session)) == sorted(zip(numbers, ("", ""), strict=True))
+
+
+def test_a_caption_that_is_being_typed_is_kept_when_the_survey_is_closed(window, session, bring, tmp_path):
+    bring(picture(tmp_path / "a.jpg"))
+    field = window.work.photos.panel.findChild(QLineEdit, "photo_caption")
+    field.setFocus()
+    QTest.keyClicks(field, "half a")
+    path = session.folder.path
+    session.close()
+    with SurveyFolder.open(path, read_only=True) as other:
+        assert [photo.caption for photo in other.photos.photos()] == ["half a"]
+
+
+def test_photos_never_go_to_another_survey_that_was_opened_while_they_were_copied(
+    qtbot, window, session, services, tmp_path
+):
+    told = []
+    window.work.photos.told.connect(told.append)
+    results = session.results
+    window.work.photos.bring([picture(tmp_path / "a.jpg")])
+    session.open(make_folder(tmp_path / "other"))
+    session.set_results(make_results(session.folder))
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    assert results is not session.results
+    assert on_disc(session) == []
+    assert not session.undo_stack.canUndo()
+    assert len(told) == 1
+    assert "Attach them again" in told[0]
+
+
+def test_photos_and_digs_are_undone_after_the_window_was_made_again_in_another_language(
+    qtbot, window, session, services, bring, tmp_path
+):
+    bring(picture(tmp_path / "a.jpg"))
+    number = session.row(session.selected).candidate.label
+    gone = MainWindow(services, "tr")
+    session.push(RecordDig(gone.work.digs.ledger, "dig", number, DigResult(number, DigFinding.LEAK)))
+    session.push(RemovePhoto(gone.work.photos.desk, "photo", session.folder.photos.photos()[0]))
+    qtbot.waitUntil(lambda: not services.jobs.running)  # the language changes only when no work is in progress
+    gone.close()
+    gone.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    assert on_disc(session) == []
+    session.undo_stack.undo()
+    assert len(on_disc(session)) == 1
+    assert set(window.work.digs.ledger.results) == {number}
+    session.undo_stack.undo()
+    assert window.work.digs.ledger.results == {}
+    assert session.folder.digs.results() == {}
