@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from processing.coordinates import LocalFrame, frame_of
+from processing.coordinates import LOCAL, LocalFrame, frame_of, is_local
 from processing.position import distance
 from processing.reporting.options import ReportOptions
+from processing.reporting.references import is_heading_known
 from processing.results import Results
 from processing.review_facts import ReviewRecord
 from processing.sound.sizes import LeakSize, size_of
@@ -115,7 +116,7 @@ def make_content(
     Intervals along the pipe are widened where the operator has chosen so after digs (:mod:`processing.stated`).
     """
     results = as_stated(results)
-    frame = frame_of(results.survey)
+    frame = told_frame(results)
     places = known_places(results)
     rows = tuple(
         _sized(leak_row(candidate, decisions.get(candidate.id, Decision()), frame, places), results)
@@ -123,6 +124,19 @@ def make_content(
     )
     unassessed = tuple(unassessed_stretch(results, stretch) for stretch in results.not_assessed)
     return ReportContent(results, rows, places, unassessed, frame, record or ReviewRecord(), options or ReportOptions())
+
+
+def told_frame(results: Results) -> LocalFrame:
+    """Return the frame in which places are told: the survey's, but a local one where the path's direction is arbitrary.
+
+    A path that may be turned as a whole about its launch has no latitudes and no grid coordinates: whoever told them
+    would send a crew to any place of a circle.
+    """
+    frame = frame_of(results.survey)
+    if is_heading_known(results):
+        return frame
+    origin = frame.grid_origin if is_local(frame.grid) else (0.0, 0.0)
+    return replace(frame, latitude=None, longitude=None, grid=LOCAL, grid_origin=origin)
 
 
 def best_first(candidate: Candidate) -> tuple[bool, float, float]:

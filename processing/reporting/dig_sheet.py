@@ -9,8 +9,8 @@ from processing.reporting.content import LeakRow, ReportContent
 from processing.reporting.listing import coordinate_lines, status
 from processing.reporting.marks import VERDICT_COLOURS
 from processing.reporting.qr import geo_link
-from processing.reporting.references import LAUNCH, Reference, Tape, nearest_tapes
-from processing.reporting.traffic_light import BELL_HOLE_M, TAPE_REACH_M, Assessment, Cause, assess
+from processing.reporting.references import LAUNCH, Reference, Tape, is_heading_known, nearest_tapes
+from processing.reporting.traffic_light import BELL_HOLE_M, REFERENCE_95_M, TAPE_REACH_M, Assessment, Cause, assess
 from processing.reporting.words import Words
 from processing.review_facts import DigResult
 from processing.sound.size_words import size_sentence
@@ -42,10 +42,18 @@ def sheet(row: LeakRow, content: ReportContent, words: Words, known: tuple[Refer
         "tapes": [tape_row(tape, words) for tape in tapes],
         "coordinates": coordinate_lines(row, content, words),
         "geo": geo_link(row.latitude, row.longitude) if geographic else "",  # type: ignore[arg-type]
+        "no_geo": "" if geographic else why_no_code(row, content, words),
         "facts": facts(row, content, words),
         "dug": dug_lines(content.record.digs.get(c.label), words),
         "photo_caption": photo_caption(row, content, words),
     }
+
+
+def why_no_code(row: LeakRow, content: ReportContent, words: Words) -> str:
+    """Return why a sheet has no QR code: the leak has no place, the path no direction, or the launch no coordinates."""
+    if not np.all(np.isfinite(row.candidate.position_w_m)):
+        return words("no_qr_place")
+    return words("no_qr" if is_heading_known(content.results) else "no_qr_direction")
 
 
 def light(assessment: Assessment, words: Words) -> dict[str, Any]:
@@ -64,7 +72,8 @@ def light(assessment: Assessment, words: Words) -> dict[str, Any]:
 def rule(words: Words) -> str:
     """Return the written rule of the traffic light."""
     least, most = (words.length(hole) for hole in BELL_HOLE_M)
-    return words("light_rule", least=least, hole=most, reach=words.length(TAPE_REACH_M, 0))
+    sure = words.plus_minus(REFERENCE_95_M)
+    return words("light_rule", least=least, hole=most, reach=words.length(TAPE_REACH_M, 0), sure=sure)
 
 
 def cause_sentence(cause: Cause, words: Words) -> str:

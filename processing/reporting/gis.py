@@ -13,6 +13,7 @@ import numpy as np
 from processing.position import distance
 from processing.reporting.content import LeakRow, ReportContent
 from processing.reporting.files import whole_file
+from processing.reporting.references import is_heading_known
 from processing.survey import FloatArray, Track
 
 LINE_STEP_M = 0.5  # a vertex each half metre is finer than any interval we state
@@ -29,11 +30,16 @@ def write_geojson(path: Path, content: ReportContent) -> None:
     collection = {
         "type": "FeatureCollection",
         "name": content.results.survey.info.name or "Leakline",
-        "frame": "WGS 84" if geographic else "local east-north metres from the launch point (not WGS 84)",
+        "frame": "WGS 84" if geographic else _local_name(content),
         "features": features,
     }
     with whole_file(path) as file:
         json.dump(collection, file, ensure_ascii=False, allow_nan=False, indent=1)
+
+
+def _local_name(content: ReportContent) -> str:
+    told = "local east-north metres from the launch point (not WGS 84)"
+    return told if is_heading_known(content.results) else f"{told}, may be turned as a whole: direction not known"
 
 
 def leak_feature(row: LeakRow, content: ReportContent) -> dict[str, Any]:

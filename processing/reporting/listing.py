@@ -15,6 +15,7 @@ from processing.reporting.content import LeakRow, ReportContent, UnassessedStret
 from processing.reporting.handover.system import TargetSystem, target_system
 from processing.reporting.marks import VERDICT_COLOURS
 from processing.reporting.options import HandoverOptions
+from processing.reporting.references import is_heading_known
 from processing.reporting.words import Words
 from processing.sound.size_words import size_name
 from processing.survey import Verdict
@@ -79,6 +80,8 @@ def coordinate_lines(row: LeakRow, content: ReportContent, words: Words) -> list
     """
     if not np.all(np.isfinite(row.candidate.position_w_m)):
         return [words("unknown")]
+    if not is_heading_known(content.results):
+        return [words("no_direction")]
     q, lines = words.quantities, []
     if row.latitude is not None and row.longitude is not None:
         lines.append(words("wgs84", latitude=f"{row.latitude:.6f}", longitude=f"{row.longitude:.6f}"))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from processing.coordinates import route_local
+from processing.coordinates import frame_of, route_local
 from processing.position import distance
 from processing.reporting.content import LeakRow, ReportContent
 from processing.reporting.labels import Labels
@@ -131,7 +131,7 @@ def _places(frame: Frame, positions: FloatArray) -> list[tuple[float, float]]:
 def _draw_route(drawing: Drawing, frame: Frame, content: ReportContent) -> None:
     route = content.results.survey.route
     if route is not None and len(route.points) >= 2:
-        drawing.path(_places(frame, route_local(content.frame, route)), SOFT, 3.4, opacity=0.35)
+        drawing.path(_places(frame, route_local(frame_of(content.results.survey), route)), SOFT, 3.4, opacity=0.35)
 
 
 def _draw_path(

@@ -54,6 +54,7 @@ class Tape:
     surface_95_m: float = math.nan
     bearing_deg: float | None = None
     place_m: tuple[float, float] | None = None  # of the reference, where the surface distance is known
+    reference_95_m: float = 0.0  # how well the reference itself is known along the pipe; ``along_95_m`` holds it
 
 
 def is_heading_known(results: Results) -> bool:
@@ -119,8 +120,8 @@ def tape(candidate: Candidate, results: Results, reference: Reference) -> Tape:
     """Return the distances from one reference along the pipe and, where the map knows both, straight over ground."""
     apart = candidate.chainage_m - reference.chainage_m
     half = (candidate.chainage_high95_m - candidate.chainage_low95_m) / 2.0
-    along_95 = math.hypot(half, distance.NORMAL_95 * reference.sigma_m)
-    along = Tape(reference.name, apart >= 0.0, abs(apart), along_95)
+    own_95 = distance.NORMAL_95 * reference.sigma_m
+    along = Tape(reference.name, apart >= 0.0, abs(apart), math.hypot(half, own_95), reference_95_m=own_95)
     cov = covariance(candidate, results)
     # of a path whose direction is arbitrary, only the distance from its own origin is known
     heading_known = is_heading_known(results)

@@ -18,6 +18,7 @@ from processing.survey import Candidate, Channel, Decision, LeakClass, Params, V
 
 BELL_HOLE_M = (0.9, 4.6)  # what one bell-hole lays open of the pipe (findings §6)
 TAPE_REACH_M = 100.0  # two lengths of a 50 m tape: further away a place is set out with coordinates, not with a tape
+REFERENCE_95_M = BELL_HOLE_M[1] / 2  # taped from a reference that is known worse, a bell-hole can miss the leak
 _NORMAL_99 = 2.576  # each sheet asks two tie points: at 95 % one sheet in ten would be held up by chance
 
 
@@ -108,11 +109,16 @@ def _by_interval(candidate: Candidate, results: Results, record: ReviewRecord) -
 def _by_reference(tapes: tuple[Tape, ...]) -> list[Cause]:
     if not tapes:
         return [Cause(Light.YELLOW, "no_reference")]
-    nearest = min(tapes, key=lambda tape: tape.along_m)
+    sure = [tape for tape in tapes if tape.reference_95_m <= REFERENCE_95_M]
+    nearest = min(sure or tapes, key=lambda tape: tape.along_m)
     params: Params = {"distance": nearest.along_m, "limit": TAPE_REACH_M}
     name: Params = {"name": "" if nearest.name == LAUNCH else nearest.name}
-    near = nearest.along_m <= TAPE_REACH_M
-    return [Cause(Light.GREEN if near else Light.YELLOW, "reference_near" if near else "reference_far", params, name)]
+    if nearest.along_m > TAPE_REACH_M:
+        return [Cause(Light.YELLOW, "reference_far", params, name)]
+    if not sure:
+        off: Params = {"off": nearest.reference_95_m}
+        return [Cause(Light.YELLOW, "reference_vague", off, name)]
+    return [Cause(Light.GREEN, "reference_near", params, name)]
 
 
 def _by_quality(candidate: Candidate, results: Results) -> list[Cause]:

@@ -282,7 +282,10 @@ def leak_values(row: LeakRow, dig: DigResult | None) -> dict[str, Cell]:
 
 def _cell(value: Cell, column: Column, metres: float) -> Cell:
     """A cell as files have it: lengths in their unit, numbers as Python's, nothing for what is not finite."""
-    if value is None or isinstance(value, str):
+    if isinstance(value, str):
+        # an old file name can hold half letters, which no format of ours can write
+        return value.encode("utf-8", "backslashreplace").decode("utf-8")
+    if value is None:
         return value
     if not np.isfinite(value):
         return None

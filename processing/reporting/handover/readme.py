@@ -13,6 +13,7 @@ from processing.reporting.content import ReportContent
 from processing.reporting.files import whole_path
 from processing.reporting.handover.layers import Layers, has_elevation
 from processing.reporting.handover.words import HandoverWords
+from processing.reporting.references import is_heading_known
 from processing.reporting.stretches import StretchStatus, pipe_stretches
 from processing.survey import Finding
 
@@ -105,7 +106,8 @@ def _system(content: ReportContent, layers: Layers, words: HandoverWords) -> lis
     unit = words(f"unit_{system.unit}")
     heights = words("readme_heights_known" if has_elevation(content) else "readme_heights_local")
     if system.is_local:
-        return [words("readme_system_local", unit=unit), heights]
+        local = "readme_system_local" if is_heading_known(content.results) else "readme_system_turned"
+        return [words(local, unit=unit), heights]
     return [words("readme_system_told", crs=system.label, unit=unit), heights]
 
 

@@ -91,4 +91,4 @@ def _fitted(value: Cell, column: Column, cut: list[str]) -> Cell:
     if len(told) <= LONGEST_TEXT:
         return told.decode("utf-8")
     cut.append(column.short)
-    return told[:LONGEST_TEXT].decode("utf-8", "ignore")
+    return told[:LONGEST_TEXT].decode("utf-8", "ignore").rstrip()  # dBase fills up with blanks

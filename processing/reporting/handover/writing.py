@@ -20,6 +20,7 @@ from processing.reporting.handover.photos import copy_photos
 from processing.reporting.handover.system import TargetSystem, for_drawing, proposed, target_system
 from processing.reporting.handover.words import HandoverWords
 from processing.reporting.options import FileKind, HandoverOptions
+from processing.reporting.references import is_heading_known
 from processing.survey import Finding, Severity
 
 log = logging.getLogger(__name__)
@@ -116,7 +117,8 @@ class _Job:
         return Written((path,))
 
     def write_readme(self, contract: Sequence[Path], done: Written) -> Written:
-        names = [(path.name, _CONTRACT[path.name]) for path in contract if path.name in _CONTRACT]
+        told = _CONTRACT if self.content.frame.is_geographic else _CONTRACT | {"leaks.geojson": "geojson_local"}
+        names = [(path.name, told[path.name]) for path in contract if path.name in told]
         written = {path.relative_to(self.folder).as_posix() for path in done.files}
         for kind, name in FILE_NAMES.items():
             if any(entry == name or entry.startswith(name) for entry in written):
@@ -139,7 +141,10 @@ def _usable_system(content: ReportContent, options: HandoverOptions) -> tuple[Ta
     findings: list[Finding] = []
     maps = options.files & MAP_KINDS
     if system.is_local:
-        if maps - _IN_THE_WORLD:
+        if not is_heading_known(content.results):
+            if maps:
+                findings.append(Finding("handover_no_direction", Severity.WARNING))
+        elif maps - _IN_THE_WORLD:
             unit = HandoverWords(content.options.language)(f"unit_{system.unit}")
             findings.append(Finding("handover_local", Severity.WARNING, {"unit": unit}))
         return system, tuple(findings)
@@ -160,7 +165,8 @@ def _left_out(kind: FileKind, content: ReportContent, system: TargetSystem) -> F
     if kind in MAP_KINDS and content.results.track is None:
         return Finding("handover_no_path", Severity.WARNING)
     if kind in _IN_THE_WORLD and system.is_local:
-        return Finding("handover_no_place", Severity.WARNING, {"file": FILE_NAMES[kind]})
+        code = "handover_no_place" if is_heading_known(content.results) else "handover_turned"
+        return Finding(code, Severity.WARNING, {"file": FILE_NAMES[kind]})
     return None
 
 

@@ -8,7 +8,7 @@ from processing.position.tie_checks import TieCheck
 from processing.reporting.content import make_content
 from processing.reporting.dig_sheet import cause_sentence, rule
 from processing.reporting.options import ReportOptions
-from processing.reporting.references import Tape
+from processing.reporting.references import Reference, Tape, tape
 from processing.reporting.traffic_light import BELL_HOLE_M, TAPE_REACH_M, Light, assess
 from processing.reporting.words import Words
 from processing.review_facts import DigFinding, DigHistory, DigResult, Opinion, ReviewRecord
@@ -142,3 +142,21 @@ def test_every_reason_has_its_sentence_and_the_rule_names_its_limits(results, la
     assert f"0{point}9" in rule(words)
     assert f"4{point}6 m" in rule(words)
     assert "100 m" in rule(words)
+
+
+@pytest.mark.parametrize(("sigma_m", "light"), [(0.5, Light.GREEN), (1.1, Light.GREEN), (1.2, Light.YELLOW)])
+def test_a_reference_that_is_itself_vague_allows_no_dig(results, sigma_m, light):
+    vague = Reference("valve 12", 30.0, sigma_m)
+    taped = tape(results.candidates[0], results, vague)
+    found = judged(results, tapes=(taped,))
+    assert found.light is light  # 1.96 times 1.17 m is half of the largest bell-hole
+    assert ("reference_vague" in codes(found)) is (light is Light.YELLOW)
+
+
+def test_a_sure_reference_counts_where_a_nearer_one_is_vague(results):
+    tapes = tuple(
+        tape(results.candidates[0], results, r) for r in (Reference("a", 40.0, 9.0), Reference("b", 60.0, 0.2))
+    )
+    found = judged(results, tapes=tapes)
+    assert found.light is Light.GREEN
+    assert found.causes[-1].texts == {"name": "b"}

@@ -200,3 +200,9 @@ def test_the_geopackage_is_one_by_its_marks_and_brings_its_styles(hand_over):
 def test_a_system_that_is_not_meant_for_the_place_is_told(hand_over):
     _, written = hand_over(FileKind.GEOPACKAGE, crs="EPSG:27700")
     assert [finding.code for finding in written.findings] == ["handover_elsewhere"]
+
+
+def test_half_letters_of_an_old_file_name_cost_no_file(hand_over, decisions):
+    told = {**decisions, 1: replace(decisions[1], note="photo \udcff.jpg " + "x" * 246 + "  y")}
+    _, written = hand_over(decided=told)
+    assert [finding.code for finding in written.findings] == ["handover_text_cut"]
