@@ -14,11 +14,11 @@ from app.jobs import Job
 from app.page_host import PageHost
 from app.repeat_listening import RepeatListening
 from app.services import Services
+from app.survey_cards import is_there
 from processing import messages
 from processing.errors import ErrorCode, LeaklineError
 from processing.position.distance import times_at
 from processing.progress import Progress
-from processing.survey import Verdict
 from widgets.plot_theme import Theme
 from widgets.units import quantities
 
@@ -53,7 +53,7 @@ class RepeatControl(QObject):
         self._heard: int | None = None
         self.listening = RepeatListening(services.make_sink, self)
         self.listening.ended.connect(lambda: self._hear(None))
-        self.listening.failed.connect(lambda error: self.told.emit(str(error)))
+        self.listening.failed.connect(self._tell)
         host.openers[PAGE] = self.toggle
         host.stack.currentChanged.connect(self._on_page)
         services.session.results_changed.connect(self._forget)
@@ -126,12 +126,12 @@ class RepeatControl(QObject):
         return partial(report_sentences, found)
 
     def present(self) -> "Comparison | None":
-        """Return the comparison without what the operator has rejected since; None where nothing was compared."""
+        """Return the comparison with what the operator decides and marks now; None where nothing was compared."""
         if self._full is None:
             return None
-        rejected = {i for i, decision in self._session.decisions.items() if decision.verdict is Verdict.REJECTED}
-        kept = tuple(p for p in self._full.places if p.ours is None or p.ours.id not in rejected)
-        return replace(self._full, places=kept)
+        from processing.repeat_runs import redecided
+
+        return redecided(self._full, [row.candidate for row in self._session.rows()], self._session.decisions)
 
     def compare_with(self, path: Path, *, is_reversed: bool | None = None) -> None:
         """Put another survey beside the open one."""
@@ -145,8 +145,9 @@ class RepeatControl(QObject):
         self._drop_job()
         self._other, self._turned = path, is_reversed
         info = session.survey.info
-        date = info.date or (session.run.created_utc[:10] if session.run is not None else "")
-        ours = ComparedRun(info.name or folder.path.stem, date, results, session.decisions)
+        results = replace(results, candidates=tuple(row.candidate for row in session.rows()))
+        name = info.name or folder.path.stem
+        ours = ComparedRun(name, info.date, results, dict(session.decisions), folder.imported_utc)
         self._show_nothing(self.tr("Comparing …"))
         self._job = self._jobs.start(
             partial(_compared, ours, path, folder.identity, is_reversed),
@@ -168,6 +169,10 @@ class RepeatControl(QObject):
             raise error
         text = messages.error_sentence(error, self._language)
         self._show_nothing(text, may_open=error.code is ErrorCode.REPEAT_NOT_PROCESSED)
+
+    def _tell(self, error: Exception) -> None:
+        known = isinstance(error, LeaklineError)
+        self.told.emit(messages.error_sentence(error, self._language) if known else str(error))
 
     def _turn(self, turned: bool) -> None:
         if self._other is not None:
@@ -266,7 +271,7 @@ class RepeatControl(QObject):
             return
         here = self._session.folder.path
         recent = [Path(text) for text in self._preferences.values.recent]
-        known = [path for path in recent if path != here and (path / "survey.db").is_file()]
+        known = [path for path in recent if path != here and is_there(path)]
         if self._other is not None and self._other not in known:
             known.insert(0, self._other)
         self.page.set_others([(str(path), path.stem) for path in known], str(self._other or ""))

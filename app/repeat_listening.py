@@ -7,6 +7,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.devices.audio_output import FloatBlock, Playback, Sink, SoundUnavailableError, Stretch, open_sink
+from processing.errors import LeaklineError
 
 if TYPE_CHECKING:
     from processing.results import Results
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 POLL_MS = 100
 LOUD = 0.12  # root mean square that is pleasant to hear, of full scale
 _MOST_GAIN = 1000.0
+_PROBED_S = 60.0  # of which the loudness is taken: a device may stand at a place for hours
 
 
 class _PlaceReader:
@@ -25,7 +27,11 @@ class _PlaceReader:
         audio = results.recording.audio
         assert audio is not None  # the caller has asked
         self._reader = AudioReader(audio)
-        probe = self._reader.read(first, max(1, last - first))
+        try:
+            probe = self._reader.read(first, max(1, last - first))
+        except BaseException:
+            self._reader.close()
+            raise
         power = float(np.mean(np.square(probe, dtype=np.float64))) if len(probe) else 0.0
         self._gain = np.float32(min(LOUD / np.sqrt(power), _MOST_GAIN) if power > 0.0 else 1.0)
 
@@ -70,11 +76,12 @@ class RepeatListening(QObject):
         if last - first < 0.1 * rate:
             return False
         try:
+            self._reader = _PlaceReader(results, first, min(last, first + round(_PROBED_S * rate)))
             sink = self._make_sink(rate)
-        except SoundUnavailableError as error:
+        except (SoundUnavailableError, LeaklineError) as error:  # the other survey's disc may be gone by now
+            self.stop()
             self.failed.emit(error)
             return False
-        self._reader = _PlaceReader(results, first, last)
         self._playback = Playback(sink, self._reader, rate, Stretch(first, last, loop=True, loop_start=first))
         self._playback.start()
         self._timer.start()

@@ -31,4 +31,4 @@ def other_run(path: Path, identity: str, progress: Progress) -> ComparedRun:
         results = replace(results, candidates=folder.review.candidates(run))
         info = results.survey.info
         name = info.name or folder.path.stem
-        return ComparedRun(name, info.date or run.created_utc[:10], results, folder.review.decisions(run))
+        return ComparedRun(name, info.date, results, folder.review.decisions(run), folder.imported_utc)

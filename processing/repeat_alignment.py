@@ -180,12 +180,12 @@ def _by_coordinates(ours: Results, theirs: Results) -> list[Anchor]:
             moved = here.from_geographic(there.to_geographic([[place_b[0], place_b[1], 0.0]]))[0]
             if np.hypot(moved[0] - place_a[0], moved[1] - place_a[1]) <= _SAME_PLACE_M:
                 anchors.append(Anchor(a.name, ours_m, theirs_m))
-    if anchors:
+    if len(anchors) >= 2:  # one alone tells neither the direction nor how the odometers differ
         return anchors
     rows = _rows_every(theirs.track, _STEP_M)
     plan = theirs.track.position_w_m[rows]
     moved = here.from_geographic(there.to_geographic(np.column_stack([plan[:, :2], np.zeros(len(rows))])))
-    return _side_by_side(ours.track, moved[:, :2], theirs.track.chainage_m[rows])
+    return [*anchors, *_side_by_side(ours.track, moved[:, :2], theirs.track.chainage_m[rows])]
 
 
 def _side_by_side(ours: Track, plan: FloatArray, theirs_m: FloatArray) -> list[Anchor]:

@@ -7,8 +7,9 @@ it. A place is gone only if the newer run could have heard it.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from datetime import date
 from enum import StrEnum
 
 import numpy as np
@@ -16,7 +17,7 @@ from scipy.optimize import linear_sum_assignment
 
 from processing.errors import ErrorCode, LeaklineError
 from processing.position.distance import NORMAL_95
-from processing.repeat_alignment import LAUNCH, Alignment, align
+from processing.repeat_alignment import CHAINAGES, LAUNCH, Alignment, align
 from processing.results import Results
 from processing.sound.background import robust_sigma, running_median
 from processing.sound.cells import CELL_M, DB_PER_LN, Cells, cells_of, excess_of, frames_of
@@ -42,12 +43,13 @@ class Change(StrEnum):
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """A run with the operator's words on it; ``date`` is ISO 8601."""
+    """A run with the operator's words on it; ``date`` is the day in its form, ISO 8601, or empty."""
 
     name: str
     date: str
     results: Results
     decisions: Mapping[int, Decision] = field(default_factory=dict)
+    imported_utc: str = ""  # when its recording came into the survey: of two runs of one day it tells which was first
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,7 @@ class Comparison:
     common_db: float  # growth common to all places, taken off: speed and recorder
     common_known: bool
     may_be_reversed: bool = False  # nothing tells the direction, and the sounds agree better the other way round
+    order_known: bool = True  # the days in the forms tell which run is the newer one
 
     @property
     def older(self) -> ComparedRun:
@@ -135,12 +138,40 @@ def compare(ours: ComparedRun, theirs: ComparedRun, *, is_reversed: bool | None 
     )
     if CELL_M * np.count_nonzero(strips[0].assessed & strips[1].assessed) < LEAST_COMMON_M:
         raise LeaklineError(ErrorCode.REPEAT_NOTHING_COMMON, least_m=LEAST_COMMON_M)
-    newer = ours.date >= theirs.date or not ours.date
-    turned = is_reversed is None and alignment.basis == LAUNCH and _better_turned(ours, theirs, cells, grid, bands)
+    newer, order_known = _is_newer(ours, theirs)
+    # one place alone, or figures that two launches may share by chance, do not tell the direction
+    unsure = alignment.basis in (LAUNCH, CHAINAGES) or len(alignment.anchors) == 1
+    turned = is_reversed is None and unsure and _better_turned(ours, theirs, cells, grid, bands)
     draft = Comparison(
-        ours, theirs, newer, alignment, grid, bands[2], strips, (), 0.0, common_known=False, may_be_reversed=turned
-    )
+        ours, theirs, newer, alignment, grid, bands[2], strips, (), 0.0, common_known=False, may_be_reversed=turned,
+        order_known=order_known,
+    )  # fmt: skip
     return _with_growth(draft, _matched(draft))
+
+
+def redecided(comparison: Comparison, candidates: Sequence[Candidate], decisions: Mapping[int, Decision]) -> Comparison:
+    """Return a comparison with our run's candidates and the operator's words as they are now; no sound is read."""
+    results = replace(comparison.ours.results, candidates=tuple(candidates))
+    draft = replace(comparison, ours=replace(comparison.ours, results=results, decisions=decisions), places=())
+    return _with_growth(draft, _matched(draft))
+
+
+def _is_newer(ours: ComparedRun, theirs: ComparedRun) -> tuple[bool, bool]:
+    """Return whether ours is the newer run, and whether the days in the forms say so; else it is the later import."""
+    here, there = _day(ours), _day(theirs)
+    if here is not None and there is not None and here != there:
+        return here > there, True
+    return ours.imported_utc >= theirs.imported_utc, False
+
+
+def _day(run: ComparedRun) -> date | None:
+    """Return the day in a run's form; None for none, for no day, and for one that was to come when it was imported."""
+    try:
+        day = date.fromisoformat(run.date)
+        imported = date.fromisoformat(run.imported_utc[:10]) if run.imported_utc else date.max
+    except ValueError:
+        return None
+    return day if (day - imported).days <= 1 else None  # a day of leeway for zones of time
 
 
 def _better_turned(

@@ -49,6 +49,8 @@ def basis_sentences(comparison: Comparison, quantities: Quantities) -> tuple[str
         out.append(messages.text("repeat", "reversed", language))
     if comparison.may_be_reversed:
         out.append(messages.text("repeat", "may_be_reversed", language))
+    if not comparison.order_known:
+        out.append(messages.text("repeat", "order_unknown", language))
     out.append(messages.text("repeat", "common", language, common=quantities.length(comparison.common_m, 0)))
     if comparison.common_known:
         common_db = quantities.number(comparison.common_db, 1)

@@ -153,6 +153,12 @@ class SurveyFolder:
         told = self._db.one("SELECT at_utc, part, after FROM survey_log ORDER BY id LIMIT 1")
         return hashlib.sha256(repr((made, told)).encode()).hexdigest()[:24]
 
+    @property
+    def imported_utc(self) -> str:
+        """When the first recording was imported, ISO 8601; empty without one."""
+        made = self._db.one("SELECT created_utc FROM recordings ORDER BY id LIMIT 1")
+        return str(made[0]) if made is not None else ""
+
     def recording_dir(self, recording: int) -> Path:
         """Return the folder of one recording."""
         return self.path / "recordings" / str(recording)

@@ -127,6 +127,23 @@ def test_both_runs_are_heard_in_turn_and_silence_comes_with_leaving(compared, se
     assert not compared.listening.playing
 
 
+def test_a_disc_that_is_gone_meanwhile_is_told_and_all_else_goes_on(compared, services, surveys):
+    told = []
+    compared.told.connect(told.append)
+    lost = [part.path for part in compared.comparison.theirs.results.recording.audio.parts]
+    for path in lost:
+        path.rename(path.with_suffix(".unplugged"))
+    try:
+        compared._hear(1)
+    finally:
+        for path in lost:
+            path.with_suffix(".unplugged").rename(path)
+    assert "→" in told[0]  # a sentence that says what to do
+    assert not compared.listening.playing
+    compared._hear(0)
+    assert compared._heard == 0
+
+
 def test_what_the_operator_rejects_afterwards_is_no_change_any_more(compared, services):
     new = compared.comparison.places[2]
     services.session.write_decision(new.ours.id, Decision(Verdict.REJECTED), "decide")

@@ -11,8 +11,15 @@ from small_survey import make_folder, make_results
 from processing.errors import ErrorCode, LeaklineError
 from processing.quantities import Quantities
 from processing.repeat_alignment import Alignment, Anchor, align
-from processing.repeat_runs import Change, ComparedRun, compare
-from processing.repeat_words import change_sentences, change_word, growth_text, report_sentences, write_csv
+from processing.repeat_runs import Change, ComparedRun, compare, redecided
+from processing.repeat_words import (
+    basis_sentences,
+    change_sentences,
+    change_word,
+    growth_text,
+    report_sentences,
+    write_csv,
+)
 from processing.reporting.content import make_content
 from processing.reporting.options import ReportOptions
 from processing.reporting.sheets import page_data
@@ -67,6 +74,39 @@ def test_seen_from_the_older_run_the_same_is_new_and_gone(runs, compared):
     assert not turned.ours_newer
     assert [p.change for p in turned.places] == [p.change for p in compared.places]
     assert [p.growth_db for p in turned.places] == pytest.approx([p.growth_db for p in compared.places], abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("days", "imports", "ours_newer", "is_known"),
+    [
+        ((NEW, OLD), ("2026-05-04T08:00:00", "2026-05-05T08:00:00"), True, True),  # brought in late: the day counts
+        ((NEW, NEW), ("2026-05-04T08:00:00", "2026-05-04T15:00:00"), False, False),  # before and after a repair
+        ((NEW, NEW), ("2026-05-04T15:00:00", "2026-05-04T08:00:00"), True, False),
+        (("", OLD), ("2025-05-01T08:00:00", "2025-05-04T08:00:00"), False, False),
+        (("2062-05-04", NEW), ("2026-05-01T08:00:00", "2026-05-04T08:00:00"), False, False),  # mistyped, yet to come
+        (("04.05.2026", OLD), ("2026-05-04T08:00:00", "2025-05-04T08:00:00"), True, False),
+    ],
+)
+def test_which_run_is_the_newer_one_is_never_guessed_silently(compared, days, imports, ours_newer, is_known):
+    runs = (compared.ours, compared.theirs)
+    mine, other = (
+        replace(run, date=day, imported_utc=moment) for run, day, moment in zip(runs, days, imports, strict=True)
+    )
+    found = compare(mine, other)
+    assert (found.ours_newer, found.order_known) == (ours_newer, is_known)
+    assert at(found, 80.0).change is (Change.GONE if ours_newer else Change.NEW)
+    for language, words in (("en", "imported later"), ("tr", "sonradan içe aktarılan")):
+        assert any(words in s for s in basis_sentences(found, Quantities(language))) is not is_known
+
+
+def test_what_is_rejected_later_leaves_the_other_runs_leak_as_gone_and_all_can_be_taken_back(compared):
+    same = at(compared, 20.0)
+    candidates = compared.ours.results.candidates
+    judged = redecided(compared, candidates, {same.ours.id: Decision(Verdict.REJECTED)})
+    place = at(judged, 20.0)
+    assert (place.change, place.ours) == (Change.GONE, None)
+    assert place.theirs == same.theirs
+    assert redecided(judged, candidates, {}).places == compared.places
 
 
 def test_what_the_newer_run_could_not_hear_is_not_gone(runs):
@@ -150,6 +190,45 @@ def test_a_run_the_other_way_is_seen_by_the_names_of_its_tie_points(straight):
     assert found.is_reversed
     assert found.to_theirs(np.array([20.0, 45.0, 70.0, 90.0])) == pytest.approx([75.0, 50.0, 25.0, 5.0])
     assert found.to_ours(5.0) == pytest.approx([90.0])
+
+
+def test_one_common_name_does_not_tell_the_direction_and_the_sounds_are_asked(runs):
+    new, _ = runs
+    track, scan = new.results.track, new.results.scan
+    end_m, end_s = float(track.chainage_m[-1]), float(track.time_s[0] + track.time_s[-1])
+    mirrored = replace(track, chainage_m=end_m - track.chainage_m[::-1], time_s=end_s - track.time_s[::-1])
+    frames = round(end_s / scan.frame_s) - 1 - np.arange(len(scan.state))
+    frames = np.clip(frames, 0, len(frames) - 1)
+    heard = replace(
+        scan, level_db=scan.level_db[frames], crest_db=scan.crest_db[frames], state=scan.state[frames]
+    )  # the same sound from the other end
+    at_s = float(np.interp(50.0, track.chainage_m, track.time_s))
+    ours, theirs = (
+        replace(new.results, survey=replace(new.results.survey, tie_points=(TiePoint("valve", t),), launch=Launch()))
+        for t in (at_s, end_s - at_s)
+    )
+    theirs = replace(theirs, track=mirrored, scan=heard, candidates=(), not_assessed=())
+    found = compare(replace(new, results=ours), ComparedRun("back", OLD, theirs))
+    assert len(found.alignment.anchors) == 1
+    assert found.may_be_reversed
+    told = compare(replace(new, results=ours), ComparedRun("back", OLD, theirs), is_reversed=True)
+    assert told.alignment.is_reversed
+    assert not told.may_be_reversed
+    assert not compare(replace(new, results=ours), ComparedRun("same", OLD, ours)).may_be_reversed
+
+
+def test_a_single_tie_point_with_coordinates_leaves_the_paths_their_say(straight):
+    here = Launch(latitude=39.92, longitude=32.85)
+    place = {"latitude": 39.92, "longitude": 32.85 + 40.0 / (111_320.0 * np.cos(np.radians(39.92)))}
+    run = tied(straight, ("valve", 40.0, place), launch=here)
+    track = straight.track
+    # the same pipe from its other end: launched 100 m east, heading west
+    far = Launch(latitude=39.92, longitude=32.85 + 100.0 / (111_320.0 * np.cos(np.radians(39.92))))
+    plan = track.position_w_m * np.array([-1.0, 1.0, 1.0])
+    other = tied(replace(straight, track=replace(track, position_w_m=plan)), ("vana", 60.0, place), launch=far)
+    found = align(run, other)
+    assert (found.basis, found.is_reversed) == ("coordinates", True)
+    assert found.to_theirs(20.0) == pytest.approx([80.0], abs=0.7)
 
 
 def test_a_name_that_means_two_places_does_not_bend_the_pipe(straight):
