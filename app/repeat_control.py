@@ -171,8 +171,8 @@ class RepeatControl(QObject):
         self._show_nothing(text, may_open=error.code is ErrorCode.REPEAT_NOT_PROCESSED)
 
     def _tell(self, error: Exception) -> None:
-        known = isinstance(error, LeaklineError)
-        self.told.emit(messages.error_sentence(error, self._language) if known else str(error))
+        text = messages.error_sentence(error, self._language) if isinstance(error, LeaklineError) else str(error)
+        self.told.emit(text)
 
     def _turn(self, turned: bool) -> None:
         if self._other is not None:

@@ -30,7 +30,7 @@ def main(pairs: int) -> None:
             then, old = listened(place, "old", "2025", [(20.0, 10.0), (45.0, 8.0), (80.0, 10.0)], seed=100 + seed)
             leaks = [(20.0, 10.0), (45.0, 8.0 + grown), (65.0, 10.0)]
             now, new = listened(place, "new", "2026", leaks, seed=200 + seed, speed_mps=speed, gain_db=gain)
-            found = compare(ComparedRun("new", "2026", new), ComparedRun("old", "2025", old))
+            found = compare(ComparedRun("new", "2026-05-04", new), ComparedRun("old", "2025-05-04", old))
             then.close()
             now.close()
         truth = {
