@@ -50,6 +50,8 @@ class DigLedger(QObject):
         self.session, self._jobs, self._language = session, jobs, language
         self.results: dict[int, DigResult] = {}
         self.remembered = Remembered()
+        self._entered: set[int] = set()  # by number, what the history has not heard of yet
+        self._telling: set[int] = set()  # and what it is being told: none of it where that fails
         self._kind_of: Survey | None = None  # that the history was last asked for
         self._working = self._again = False
         self._running: list[Job] = []
@@ -81,7 +83,9 @@ class DigLedger(QObject):
             self._tell(error)
             return
         self._kind_of = self.session.survey
-        step = partial(_follow, history_file(), folder.identity, self.session.survey, entries)
+        self._telling, self._entered = self._entered, set()
+        entered = frozenset(self._telling)
+        step = partial(_follow, history_file(), folder.identity, self.session.survey, entries, entered)
         self._working = True
         self._start(step, self.tr("History of digs"), self._take, quiet=True).finished.connect(self._ended)
 
@@ -115,6 +119,7 @@ class DigLedger(QObject):
             self._tell(error)
             return
         if found != self.results:
+            self._entered |= {n for n in found.keys() | self.results.keys() if found.get(n) != self.results.get(n)}
             self.results = found
             self.changed.emit()
             self.refresh()
@@ -122,6 +127,7 @@ class DigLedger(QObject):
     def _on_opened(self) -> None:
         folder = self.session.folder
         self.results, self.remembered = {}, Remembered()
+        self._entered, self._telling = set(), set()
         if folder is not None:
             try:
                 self.results = folder.digs.results()
@@ -133,7 +139,8 @@ class DigLedger(QObject):
             self.refresh()
 
     def _on_survey(self) -> None:
-        if self.results and self._kind_of is not None and self.session.survey != self._kind_of:
+        known = self.results or self.remembered.digs  # another kind of pipe has another history
+        if known and self._kind_of is not None and self.session.survey != self._kind_of:
             self.refresh()
 
     def stop(self) -> None:
@@ -154,12 +161,14 @@ class DigLedger(QObject):
 
     def _ended(self) -> None:
         self._working = False
+        self._entered |= self._telling
         if self._again:
             self._again = False
             self.refresh()
 
     def _take(self, remembered: object) -> None:
         assert isinstance(remembered, Remembered)
+        self._telling = set()
         if self.session.folder is not None:
             self.remembered = remembered
             self.history_changed.emit()
@@ -195,12 +204,14 @@ def _file() -> "HistoryFile":
     return HistoryFile(history_file())
 
 
-def _follow(path: Path, identity: str, survey: "Survey", entries: "tuple[DigEntry, ...]") -> Remembered:
+def _follow(
+    path: Path, identity: str, survey: "Survey", entries: "tuple[DigEntry, ...]", entered: frozenset[int]
+) -> Remembered:
     from processing.dig_history import HistoryFile, kind_of
     from processing.dig_statistics import history_of
 
     file = HistoryFile(path)
-    file.take(identity, survey, entries)
+    file.take(identity, survey, entries, entered)
     read = file.read()
     return Remembered(history_of(read.digs, kind_of(survey)), len(read.digs), read.damaged)
 

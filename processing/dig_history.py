@@ -6,8 +6,9 @@ cannot be read are skipped and counted. Nothing personal is in it beyond the sur
 are put together by :meth:`HistoryFile.take_in`. Simulated surveys are left out: nobody digs there.
 """
 
+import errno
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -104,11 +105,12 @@ class HistoryFile:
         newest = _newest(entries)
         return HistoryRead(tuple(entry for entry in newest.values() if entry.dig is not None), damaged)
 
-    def take(self, identity: str, survey: Survey, log: Sequence[DigEntry]) -> int:
+    def take(self, identity: str, survey: Survey, log: Sequence[DigEntry], entered: Collection[int] = ()) -> int:
         """Take a survey's log of digs; return how many lines that added: none for what is known already.
 
-        An older copy of a survey changes nothing, as its log is shorter. Raises as :meth:`read`, and DISC_FULL,
-        CANNOT_WRITE.
+        An older copy of a survey changes nothing, as its log is shorter. What was ``entered`` just now, by number,
+        counts over all that is known, however short the log: the survey may have come back from a backup. Raises as
+        :meth:`read`, and DISC_FULL, CANNOT_WRITE.
         """
         if survey.info.simulated or not log:
             return 0
@@ -118,6 +120,8 @@ class HistoryFile:
             rows = [entry for entry in log if entry.number == number]
             entry = HistoryEntry(identity, survey.info.name, number, len(rows), kind, _impersonal(rows[-1].result))
             before = known.get(entry.key)
+            if before is not None and number in entered and entry.dig != before.dig:
+                entry = replace(entry, revision=max(entry.revision, before.revision + 1))
             if before is None or entry.revision > before.revision:
                 found.append(entry)
             elif entry.revision == before.revision:
@@ -163,7 +167,9 @@ class HistoryFile:
         with writing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("ab", buffering=0) as file:  # one write: two windows do not mix their lines
-                file.write(b"\n" + text if _ends_torn(self.path) else text)
+                line = b"\n" + text if _ends_torn(self.path) else text
+                if file.write(line) != len(line):  # a raw file tells of a full disc by writing less
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
                 os.fsync(file.fileno())
             sync_folder(self.path.parent)
 

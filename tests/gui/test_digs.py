@@ -1,5 +1,6 @@
 """What a dig showed goes back into the survey: entered, corrected, undone, remembered, and never silently used."""
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -22,7 +23,7 @@ from processing.reporting.content import make_content
 from processing.review_facts import DigFinding, DigResult
 from processing.storage.digs import DigEntry
 from processing.storage.folder import SurveyFolder
-from processing.survey import Finding, Severity, StatedIntervals, Verdict
+from processing.survey import Finding, Motion, PipeInfo, Severity, StatedIntervals, Verdict
 from widgets.dig_list import Held
 
 
@@ -230,6 +231,31 @@ def test_the_history_of_the_computer_follows_the_survey_and_loses_what_was_taken
     qtbot.waitUntil(lambda: not services.jobs.running)
     assert HistoryFile(history_file()).read().digs == ()
     assert control.ledger.history is None
+
+
+def test_a_result_entered_again_after_a_backup_came_back_reaches_the_history(control, session, services, qtbot):
+    enter(control, 1, "40")
+    press(control, "dig_clear")
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    (entry,) = HistoryFile(history_file()).read().digs or (None,)
+    assert entry is None
+    lines = [json.loads(line) for line in history_file().read_text(encoding="utf-8").splitlines()]
+    ahead = [json.dumps({**line, "revision": line["revision"] + 7}) for line in lines]  # as if more had been entered
+    history_file().write_text("\n".join(ahead) + "\n", encoding="utf-8")
+    enter(control, 1, "0.4")
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    assert [e.dig.off_along_m for e in HistoryFile(history_file()).read().digs] == [0.4]
+
+
+def test_another_material_in_the_form_asks_the_history_of_that_material(control, session, services, qtbot):
+    narrow_history(session)
+    control.ledger.refresh()
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    assert control.ledger.history.kind.split("/")[1] == "?"
+    other = replace(session.survey, pipe=PipeInfo("PVC"), device=replace(session.survey.device, motion=Motion.FOOT))
+    session.write_survey(other)
+    qtbot.waitUntil(lambda: not services.jobs.running)
+    assert control.ledger.history is None  # nobody has dug after a run on foot
 
 
 def narrow_history(session, count=12):

@@ -1,5 +1,6 @@
 """The computer's memory of digs: corrected, taken back, put together, and never lost to a damaged line."""
 
+import io
 import json
 from dataclasses import replace
 
@@ -51,6 +52,37 @@ def test_an_older_copy_of_a_survey_changes_nothing(history):
     history.take("a", SURVEY, log(FOUND, replace(FOUND, off_along_m=-0.2)))
     assert history.take("a", SURVEY, log(FOUND)) == 0
     assert offs(history) == [-0.2]
+
+
+def test_what_is_entered_in_a_survey_restored_from_its_backup_counts_though_its_log_is_shorter(history):
+    mistyped = replace(FOUND, off_along_m=40.0)
+    history.take("a", SURVEY, log(FOUND, None, mistyped))
+    again = log(replace(FOUND, off_along_m=0.4))
+    assert history.take("a", SURVEY, again) == 0  # a copy that is merely looked at
+    assert history.take("a", SURVEY, again, {3}) == 1
+    assert offs(history) == [0.4]
+    assert history.take("a", SURVEY, again, {3}) == 0
+    history.take("a", SURVEY, (*again, DigEntry(2, "", "", 3, None)), {3})
+    assert offs(history) == []
+
+
+def test_a_disc_that_fills_up_is_told_and_costs_one_line_only(history, monkeypatch):
+    history.take("a", SURVEY, log(FOUND))
+
+    class Full(io.FileIO):
+        def write(self, data):
+            return super().write(bytes(data)[:50])
+
+    opened = type(history.path).open
+    with monkeypatch.context() as patch:
+        patch.setattr(type(history.path), "open", lambda self, mode="r", *args, **more: (
+            Full(self, "ab") if mode == "ab" else opened(self, mode, *args, **more)))  # fmt: skip
+        with pytest.raises(LeaklineError) as caught:
+            history.take("b", SURVEY, log(FOUND))
+    assert caught.value.code is ErrorCode.DISC_FULL
+    assert history.take("b", SURVEY, log(FOUND)) == 1
+    read = history.read()
+    assert ([entry.survey for entry in read.digs], read.damaged) == (["a", "b"], 1)
 
 
 def test_surveys_and_numbers_do_not_mix(history):
