@@ -5,6 +5,7 @@ import json
 from typing import Any
 
 from processing import messages
+from processing.dig_statistics import errors_of
 from processing.reporting.content import ReportContent
 from processing.reporting.dig_sheet import NOTE_CHARACTERS, dug_lines, verdict_word
 from processing.reporting.summary import LIBRARIES, version
@@ -107,11 +108,15 @@ def change(before: Decision, after: Decision, words: Words) -> str:
 
 
 def dig_row(dug: DigResult, words: Words) -> list[str]:
-    """Return one dig: leak, day, what was found, how far off, whether the window that was stated then held it."""
-    low, high, at = dug.stated_low95_m, dug.stated_high95_m, dug.stated_chainage_m
+    """Return one dig: leak, day, what was found, how far off, whether the window that was stated then held it.
+
+    As the window and the history judge it: the tape's own error considered.
+    """
+    low, high = dug.stated_low95_m, dug.stated_high95_m
+    judged = errors_of([dug]).held
     held = words("not_known")
-    if low is not None and high is not None and at is not None and dug.off_along_m is not None:
-        held = words("dig_inside" if low <= at + dug.off_along_m <= high else "dig_outside")
+    if len(judged):
+        held = words("dig_inside" if judged[0] else "dig_outside")
     window = words.span(low, high) if low is not None and high is not None else words("not_known")
     told = dug_lines(dug, words)
     found = words("dig_missed") if dug.missed else told["finding"]
