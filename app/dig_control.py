@@ -59,13 +59,15 @@ class DigControl(QObject):
         for changed in (self.ledger.changed, session.results_changed, session.candidates_changed):
             changed.connect(self._show)
         self.ledger.changed.connect(self.show_marks)
+        session.reviewer_changed.connect(self.show_marks)
         self.ledger.history_changed.connect(self._show_history)
         session.survey_changed.connect(self._show_history)
         session.decision_changed.connect(lambda _candidate: self._show_lines())
 
     def show_marks(self) -> None:
         """Tell the list and the plan which leaks were dug up."""
-        self.marked.emit({number: SIGNS[self._words.held(dig)] or "•" for number, dig in self.ledger.results.items()})
+        digs = {} if self._session.reviewer else self.ledger.results  # a second reviewer judges by the sound alone
+        self.marked.emit({number: SIGNS[self._words.held(dig)] or "•" for number, dig in digs.items()})
 
     # --- the door ---
 

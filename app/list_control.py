@@ -111,7 +111,11 @@ class ListControl(QObject):
         tools.set_order(session.list.order)
         tools.set_counts(counts)
         tools.set_progress(
-            decided=len(rows) - counts[Verdict.NONE], all_=len(rows), shown=len(shown), undecided_hidden=hidden
+            decided=len(rows) - counts[Verdict.NONE],
+            all_=len(rows),
+            shown=len(shown),
+            undecided_hidden=hidden,
+            second=bool(session.reviewer),
         )
         if self._batch is not None:
             self._batch.set_rows(shown)

@@ -110,6 +110,8 @@ class ReviewControl(QObject):
         if left:
             text = self.tr("Nothing undecided is left in this list; undecided ones that the filter hides: {count}")
             self.told.emit(text.format(count=left))
+        elif self._session.reviewer:
+            self.told.emit(self.tr("All candidates are judged: end the second review and compare (Ctrl+J)"))
         else:
             self.told.emit(self.tr("All candidates are decided: go to the report (Ctrl+5)"))
 

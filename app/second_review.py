@@ -31,8 +31,9 @@ if TYPE_CHECKING:
     from app.main_window import MainWindow
 
 PAGE = "differences"
-# they show what the first said
+# they show what the first said, or what a dig showed
 BLIND_OFF = (
+    "dig",
     "export",
     "preview_report",
     "page_report",
@@ -74,6 +75,9 @@ class SecondReview(QObject):
             return
         if not session.writable:
             session.write(lambda: None)  # which tells that nothing can be written
+            return
+        if any(not job.quiet for job in self._jobs.running):  # a run that ends meanwhile would be the second one's
+            self._window.boxes.tell(self.tr("Please wait until the work in progress has ended."))
             return
         known = session.folder.opinions.reviewers()
         proposed = self._preferences.values.reviewer
@@ -209,8 +213,10 @@ class SecondReview(QObject):
         folder = session.folder
         rows = {row.candidate.label: row for row in session.rows()}
         said_at = {} if folder is None else {o.number: o.at_utc for o in folder.opinions.opinions(self._chosen)}
-        log = () if folder is None else folder.review.decision_log()
-        settled = settled_ids(log, {rows[n].candidate.id: at for n, at in said_at.items() if n in rows})
+        settled: frozenset[int] = frozenset()
+        if folder is not None:
+            numbers = {i: number for i, (_run, number) in folder.review.known_as().items()}
+            settled = settled_numbers(folder.review.decision_log(), numbers, said_at)
         out = []
         for difference in differences(self._firsts(), self._seconds()):
             row = rows.get(difference.number)
@@ -220,7 +226,7 @@ class SecondReview(QObject):
             candidate_id = row.candidate.id
             out.append(
                 DifferenceRow(
-                    candidate_id, row.name, place, difference.first, difference.second, candidate_id in settled
+                    candidate_id, row.name, place, difference.first, difference.second, difference.number in settled
                 )
             )
         return out
@@ -267,11 +273,17 @@ def both_notes(first: str, second: str, name: str) -> str:
     return f"{first}\n{name}: {second}" if second.strip() else first
 
 
-def settled_ids(log: "tuple[LogEntry, ...]", said_at: "Mapping[int, str]") -> frozenset[int]:
-    """Return the candidates decided since the second opinion (id → UTC) was given, unless that was undone."""
+def settled_numbers(
+    log: "tuple[LogEntry, ...]", numbers: "Mapping[int, int]", said_at: "Mapping[int, str]"
+) -> frozenset[int]:
+    """Return the leaks (by number) decided since the second opinion (UTC) was given, unless that was undone.
+
+    ``numbers`` is candidate id → number: another run gives a leak another id, and settles nothing anew.
+    """
     out: dict[int, bool] = {}
     for entry in log:
-        said = said_at.get(entry.candidate_id)
-        if said is not None and entry.at_utc > said:
-            out[entry.candidate_id] = entry.reason in ("decide", "redo")
-    return frozenset(i for i, settled in out.items() if settled)
+        number = numbers[entry.candidate_id]
+        said = said_at.get(number)
+        if said is not None and entry.at_utc > said and entry.reason in ("decide", "undo", "redo"):
+            out[number] = entry.reason != "undo"
+    return frozenset(number for number, settled in out.items() if settled)

@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject
 from app.jobs import Job, Jobs
 from app.readiness_facts import newest_export_day
 from app.settings import PreferencesStore
-from app.survey_cards import CardStore, SurveyCard, card_of, peeked
+from app.survey_cards import CardStore, SurveyCard, card_of, is_there, peeked
 from app.survey_session import SurveySession
 from processing import messages
 from processing.progress import Progress
@@ -89,7 +89,10 @@ class StartControl(QObject):
         pinned = self._preferences.values.pinned
         rows = []
         for path in self._paths():
-            row = row_of(path, self._cards.read(path) or SurveyCard(name=Path(path).stem))
+            card = self._cards.read(path) or SurveyCard(name=Path(path).stem)
+            if self._session.reviewer and self._session.folder is not None and path == str(self._session.folder.path):
+                card = card_of(self._session, None) or card  # their own verdicts: the first one's stay hidden
+            row = row_of(path, card)
             presence = self._presence.get(path, Presence.ASKED)
             rows.append(replace(row, pinned=path in pinned, presence=presence))
         self._page.set_recent(rows)
@@ -134,8 +137,8 @@ class StartControl(QObject):
         """Write down what is known of the open survey, where that has changed."""
         folder = self._session.folder
         card = card_of(self._session, self._exported)
-        if folder is None or card is None:
-            return
+        if folder is None or card is None or self._session.reviewer:
+            return  # what a second reviewer says is not how far the survey is
         if self._session.results is None and self._cards.read(str(folder.path)) is not None:
             return  # it is being loaded: what is remembered says more
         if self._written != (str(folder.path), card):
@@ -170,6 +173,6 @@ def _look(paths: Sequence[str], unknown: Sequence[str], progress: Progress) -> A
     found: Answer = {}
     for number, path in enumerate(paths):
         progress.update(number / len(paths), "import_looking")
-        there = (Path(path) / "survey.db").is_file()
+        there = is_there(Path(path))
         found[path] = (there, peeked(Path(path)) if there and path in unknown else None)
     return found

@@ -59,7 +59,7 @@ class Workplace(QObject):
         self.list = ListControl(services.session, table, services.preferences, window)
         self.marks = MarkControl(services.session, window.player, self)
         self.list.autoplay_changed.connect(window.review.set_autoplay)
-        self.list.report_asked.connect(window.show_report)
+        self.list.report_asked.connect(self.next_step)
         window.review.set_autoplay(on=self.list.autoplay)
         for told in (window.review.told, self.list.told, self.marks.told):
             told.connect(toast.tell)
@@ -80,6 +80,13 @@ class Workplace(QObject):
         """Switch off what makes no sense on the page in front."""
         self.gallery.show_enabled(actions_by_id)
         self.second.show_enabled(actions_by_id)
+
+    def next_step(self) -> None:
+        """Everything is judged: go to the report, or end a second review and compare."""
+        if self._services.session.reviewer:
+            self.second.end()
+        else:
+            self._window.show_report()
 
     def open_page(self, page: str) -> bool:
         """Show a page that is built when it is asked for; returns whether it is one of these."""

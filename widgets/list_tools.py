@@ -127,8 +127,8 @@ class ListTools(QWidget):
             count = sum(counts.values()) if verdict is None else counts.get(verdict, 0)
             self._verdict.setItemText(row, self._verdict_name(verdict, count))
 
-    def set_progress(self, *, decided: int, all_: int, shown: int, undecided_hidden: int) -> None:
-        """Show how many of all are decided and shown; when none is left, what comes next."""
+    def set_progress(self, *, decided: int, all_: int, shown: int, undecided_hidden: int, second: bool = False) -> None:
+        """Show how many of all are decided and shown; when none is left, what comes next (``second``: to compare)."""
         done = all_ > 0 and decided == all_
         text = tip = self.tr("{decided} of {all} decided").format(decided=decided, all=all_)
         texts = [text]
@@ -141,7 +141,11 @@ class ListTools(QWidget):
         self._progress.show_part(decided / max(all_, 1), *texts)
         self._progress.setToolTip(tip)
         self._report.setVisible(done)
-        self._report.setText(self.tr("All {all} decided: to the report (Ctrl+5)").format(all=all_))
+        to_compare, to_report = (
+            self.tr("All {all} judged: compare (Ctrl+J)"),
+            self.tr("All {all} decided: to the report (Ctrl+5)"),
+        )
+        self._report.setText((to_compare if second else to_report).format(all=all_))
 
     @property
     def progress_text(self) -> str:

@@ -84,6 +84,10 @@ class PlaybackBar(QWidget):
         """Switch everything on, or off with ``hint`` saying why; ``reason`` is the long story, as a tool tip."""
         for widget in (self._play, self._loop, self._volume, self._band, self._slow):
             widget.setEnabled(not hint)
+        self._volume.setVisible(not hint.strip())  # why nothing is heard needs the room, and is never cut
+        bold = QFont(self._hint.font())
+        bold.setBold(True)  # as some themes draw it
+        self._hint.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(hint.strip()))
         self._unavailable, self._reason = hint, reason
         self._tell()
 

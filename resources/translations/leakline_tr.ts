@@ -3192,6 +3192,10 @@
         <translation>{all} adayın hepsi tamam: rapora git (Ctrl+5)</translation>
     </message>
     <message>
+        <source>All {all} judged: compare (Ctrl+J)</source>
+        <translation>{all} adayın hepsi tamam: karşılaştır (Ctrl+J)</translation>
+    </message>
+    <message>
         <source>Clear filter</source>
         <translation>Süzgeci kaldır</translation>
     </message>
@@ -4980,6 +4984,10 @@ bir daha</translation>
         <translation>Bütün adaylar için karar verildi: rapora gidin (Ctrl+5)</translation>
     </message>
     <message>
+        <source>All candidates are judged: end the second review and compare (Ctrl+J)</source>
+        <translation>Bütün adaylar için karar verildi: ikinci incelemeyi bitirip karşılaştırın (Ctrl+J)</translation>
+    </message>
+    <message>
         <source>Done again: {what}</source>
         <translation>Yinelendi: {what}</translation>
     </message>
@@ -5284,6 +5292,10 @@ bir daha</translation>
     <message>
         <source>Opinions taken: {count} of {name}.</source>
         <translation>Alınan görüş: {count} ({name}).</translation>
+    </message>
+    <message>
+        <source>Please wait until the work in progress has ended.</source>
+        <translation>Lütfen süren işin bitmesini bekleyin.</translation>
     </message>
     <message>
         <source>Reading opinions</source>

@@ -4,13 +4,14 @@ import math
 
 import pytest
 from PySide6.QtCore import QLocale, Qt
-from PySide6.QtWidgets import QComboBox, QLabel, QToolButton
+from PySide6.QtWidgets import QComboBox, QLabel, QSlider, QToolButton
 
 from processing.survey import Candidate, Decision, LeakClass, Verdict
 from widgets.candidate_row import CandidateRow, sort_rows
 from widgets.candidate_table import NOTE, VERDICT, CandidateTable
 from widgets.decision_panel import DecisionPanel
 from widgets.note_field import NoteField
+from widgets.playback_bar import PlaybackBar
 from widgets.plot_theme import LIGHT
 from widgets.vocabulary import clock_text, number, place_text, verdict_icon, verdict_text
 
@@ -217,3 +218,19 @@ def test_numbers_have_a_true_minus_and_no_minus_zero():
 
 def test_a_place_is_never_told_without_its_interval():
     assert place_text(candidate(1, chainage_m=41.26, half_m=0.5)) == "41.3 m ± 0.5 m"
+
+
+@pytest.mark.parametrize("hint", ["No sound card", "This survey has no sound."])
+def test_why_nothing_can_be_heard_is_never_cut(qtbot, hint):
+    bar = PlaybackBar()
+    qtbot.addWidget(bar)
+    bar.set_available(hint)
+    bar.resize(bar.minimumSizeHint())
+    bar.show()
+    label, volume = bar.findChild(QLabel, "playback_hint"), bar.findChild(QSlider)
+    assert label.text() == hint
+    assert label.width() >= label.fontMetrics().horizontalAdvance(hint)
+    assert volume.isHidden()
+    bar.set_available("")
+    assert not volume.isHidden()
+    assert label.minimumWidth() == 0

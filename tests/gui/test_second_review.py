@@ -1,6 +1,7 @@
 """A second reviewer judges blind, every word is on disc at once, and the first one's decisions are never touched."""
 
 import shutil
+from dataclasses import replace
 
 import pytest
 from kept_window import kept_fixture, window_fixture
@@ -12,6 +13,7 @@ from small_survey import candidate, make_folder, make_results, other_run
 from app.review_commands import Decide, DecideMany, Mark, WriteNote
 from app.survey_session import SurveySession
 from processing.errors import ErrorCode
+from processing.review_facts import DigFinding, DigResult
 from processing.storage.folder import SurveyFolder
 from processing.survey import Decision, LeakClass, Run, Survey, Verdict
 from widgets.reviewer_dialog import ReviewerDialog
@@ -278,3 +280,51 @@ def test_without_results_there_is_nothing_to_review_twice(window, services):
     services.session.open(SurveyFolder.open(path))
     for name in ("second_review", "differences", "opinions_import"):
         assert not window.actions_by_id[name].isEnabled()
+
+
+def test_what_was_settled_stays_so_when_the_survey_is_processed_again(window, services, monkeypatch):
+    session = services.session
+    reviewed_twice(window, monkeypatch)
+    press(window, KEY.Key_J, CONTROL)
+    panel = window.work.second.panel
+    press(window, KEY.Key_Left)
+    assert panel.shown == ()
+    ids = session.ordered_ids()
+    found_again = make_results(session.folder).candidates
+    session.set_results(replace(session.results, run_hash="another run", candidates=found_again))
+    assert set(session.ordered_ids()).isdisjoint(ids)
+    window.work.second.show_differences()
+    if window.page != "differences":
+        window.work.second.show_differences()
+    assert panel.shown == ()
+
+
+def test_what_digs_showed_and_the_firsts_progress_are_hidden_from_the_second(window, services, monkeypatch, tmp_path):
+    session = services.session
+    number = session.row(session.ordered_ids()[0]).candidate.label
+    window.work.digs.ledger.write(number, DigResult(number, DigFinding.LEAK))
+    services.preferences.remember_recent(session.folder.path)
+    for _ in range(4):
+        press(window, KEY.Key_1)
+    shown = window.review_page
+    assert shown.table.model._dug
+    assert shown.path._marks.dug
+    card = window.work.start._cards.read(str(session.folder.path))
+    assert (card.decided, card.confirmed) == (4, 4)
+    answer(monkeypatch, SECOND)
+    press(window, KEY.Key_J, CONTROL)
+    assert shown.table.model._dug == shown.path._marks.dug == {}
+    assert not window.actions_by_id["dig"].isEnabled()
+    press(window, KEY.Key_2)
+    assert window.work.start._cards.read(str(session.folder.path)) == card  # an opinion is not how far the survey is
+    window.work.start._show()
+    (shown_row,) = window.work.start._page.recent.shown
+    assert shown_row.lines()[2].startswith("1 of 4 decided")
+    assert "confirmed" not in shown_row.lines()[2]
+    window.show_page("leaks")
+    for _ in range(3):
+        press(window, KEY.Key_2)
+    assert "Ctrl+J" in shown.table.tools.progress_text
+    window.work.next_step()
+    assert (session.reviewer, window.page) == ("", "differences")
+    assert shown.table.model._dug
