@@ -99,6 +99,11 @@ def card_of(session: "SurveySession", exported: str | None) -> SurveyCard | None
     return _decided(card, verdicts, exported, results.track)
 
 
+def is_there(path: Path) -> bool:
+    """Tell whether a survey lies there; a share that is away or a folder that may not be read holds none."""
+    return os.path.isfile(path / "survey.db")  # noqa: PTH113  # Path.is_file raises for what it may not look at
+
+
 def peeked(path: Path) -> SurveyCard | None:
     """Return what a survey's database says of it, without opening its recording; None where it cannot be read."""
     from app.readiness_facts import newest_export_day
