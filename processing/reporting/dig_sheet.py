@@ -169,7 +169,7 @@ def opinions(row: LeakRow, content: ReportContent, words: Words) -> str:
             key = "opinion_agrees" if agrees else "opinion_differs"
             reviewer = words.name(opinion.reviewer, _NAME_CHARACTERS) or words("unknown")
             text = words(key, reviewer=reviewer, verdict=verdict_word(opinion.decision.verdict, words))
-            note = words.shortened(opinion.decision.note, 80)
+            note = words.shortened(opinion.decision.note, 60)
             said.append(f"{text} ({note})" if note else text)
     return "; ".join(said[:3])
 

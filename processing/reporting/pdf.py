@@ -31,7 +31,9 @@ from processing.survey import Verdict
 Standards = tuple[Literal["ua-1", "a-2a"], ...]
 STANDARDS: Standards = ("ua-1", "a-2a")
 # points; the page's text is 180 mm wide
-PLAN, PROFILE, LEAK_MAP, EXCERPT = (510.0, 340.0), (510.0, 170.0), (336.0, 204.0), (250.0, 112.0)
+PLAN, PROFILE, EXCERPT = (510.0, 340.0), (510.0, 170.0), (250.0, 96.0)
+# a sheet shows the highest that has room, so that long notes make a map low and not its words small
+LEAK_MAP_WIDTH, LEAK_MAP_HEIGHTS = 336.0, (220, 190, 160, 135, 110, 90)
 
 
 def write_pdf(path: Path, content: ReportContent, progress: Progress) -> None:
@@ -148,7 +150,11 @@ def _add_figures(data: dict[str, Any], content: ReportContent, folder: Path, pro
         progress.update(0.8 * index / len(rows), "exporting")
         number = row.candidate.label
         around = Surroundings(row, nearest_tapes(row.candidate, content.results, known), known)
-        page["map"] = desk.keep(f"map{number}.svg", leak_map(content, around, words, LEAK_MAP))
+        page["maps"] = [
+            [desk.keep(f"map{number}-{high}.svg", svg), high]
+            for high in LEAK_MAP_HEIGHTS
+            if (svg := leak_map(content, around, words, (LEAK_MAP_WIDTH, float(high)))) is not None
+        ]
         page["level_figure"] = desk.keep(f"level{number}.svg", level_excerpt(content, row, words, EXCERPT))
         excerpt = spectrogram_excerpt(content, row, words, EXCERPT)
         page["spectrogram"] = desk.keep(f"spectrogram{number}.svg", excerpt)

@@ -18,6 +18,7 @@ from processing.survey import FloatArray, Track, Verdict
 PATH_COLOUR, INTERVAL, NOT_ASSESSED, TIE = "#1f5fa8", "#f2a900", "#7d8790", "#0b3d2e"
 ELLIPSE = "#c25e00"
 SCALE_STRIP = 38.0  # points under a map for its scale and its legend, so that they hide nothing
+LEGEND = 7.5  # points
 _LINE_STEP_M = 0.25
 _LINE_AT_MOST = 3000  # points of a line: a page is 500 points wide
 _LEAST_REACH_M = 9.0
@@ -191,7 +192,7 @@ def _draw_references(
             drawing.rectangle(x - 3.6, y - 3.6, 7.2, 7.2, "#ffffff")
             drawing.rectangle(x - 2.8, y - 2.8, 5.6, 5.6, TIE)
             labels.keep_clear(x, y, 3.6)
-            labels.place(x, y, reference_name(reference.name, words), away=5.5, size=7.0, colour=TIE)
+            labels.place(x, y, reference_name(reference.name, words), away=5.5, size=8.0, colour=TIE)
 
 
 def reference_name(name: str, words: Words) -> str:
@@ -210,7 +211,7 @@ def _draw_tapes(drawing: Drawing, frame: Frame, around: Surroundings, words: Wor
         text = words.length(tape.surface_m)
         if 0.0 <= to_x <= frame.width and 0.0 <= to_y <= frame.height:
             drawing.path([(x, y), (to_x, to_y)], TIE, 0.8, dash="1 2")
-            labels.place((x + to_x) / 2, (y + to_y) / 2, text, away=4.0, size=7.0, colour=TIE)
+            labels.place((x + to_x) / 2, (y + to_y) / 2, text, away=4.0, size=8.0, colour=TIE)
             continue
         length = math.hypot(to_x - x, to_y - y)
         way_x, way_y = (to_x - x) / length, (to_y - y) / length
@@ -219,7 +220,7 @@ def _draw_tapes(drawing: Drawing, frame: Frame, around: Surroundings, words: Wor
         wings = [(tip_x - 6 * way_x + s * 3 * way_y, tip_y - 6 * way_y - s * 3 * way_x) for s in (1.0, -1.0)]
         drawing.path([wings[0], (tip_x, tip_y), wings[1], wings[0]], TIE, 0.5, fill=TIE)
         name = f"{reference_name(tape.name, words)} {text}"
-        labels.place(tip_x - 18 * way_x, tip_y - 18 * way_y, name, away=4.0, size=7.0, colour=TIE, must=True)
+        labels.place(tip_x - 18 * way_x, tip_y - 18 * way_y, name, away=4.0, size=8.0, colour=TIE, must=True)
 
 
 def _edge(frame: Frame, x: float, y: float, way_x: float, way_y: float) -> tuple[float, float]:
@@ -261,7 +262,7 @@ def _draw_scale(drawing: Drawing, frame: Frame, words: Words) -> None:
         drawing.line(x, y - 3, x, y + 3, INK, 1.0)
     digits = max(0, -math.floor(math.log10(shown) + 1e-9))
     text = f"{words.number(shown, digits)} {words.quantities.length_unit}"
-    drawing.text(4 + length / 2, y - 5, text, anchor="middle", size=7.5)
+    drawing.text(4 + length / 2, y - 5, text, anchor="middle", size=8)
 
 
 def _draw_legend(
@@ -283,9 +284,9 @@ def _draw_legend(
         style: dict[str, str | float] = {"cap": "butt"}
         if dash:
             style["dash"] = dash
-        drawing.path([(x, y), (x + 16, y)], colour, width, **style)
-        drawing.text(x + 19, y + 2.5, text, size=7.0, colour=SOFT)
-        x += 19 + 0.54 * 7.0 * len(text) + 9
+        drawing.path([(x, y), (x + 12, y)], colour, width, **style)
+        drawing.text(x + 15, y + 2.5, text, size=LEGEND, colour=SOFT)
+        x += 15 + 0.54 * LEGEND * len(text) + 7
 
 
 def _draw_north(drawing: Drawing, frame: Frame, words: Words) -> None:

@@ -74,7 +74,7 @@ def _bar(drawing: Drawing, frame: Frame, low: float, high: float, words: Words) 
     drawing.image(bar, colours(ramp, low, high))
     for value in (low, (low + high) / 2, high):
         y = min(max(bar.y(value) + 2.6, bar.top + 6), bar.top + bar.height)
-        drawing.text(bar.left + 11, y, f"{tick(round(value), words)} dB", size=7)
+        drawing.text(bar.left + 11, y, f"{tick(round(value), words)} dB", size=7.5)
 
 
 def colours(level_db: FloatArray | npt.NDArray[np.float32], low: float, high: float) -> npt.NDArray[np.uint8]:

@@ -343,3 +343,17 @@ def test_two_hundred_places_keep_to_forty_sheets_and_say_how_many_are_left(resul
     data = page_data(make_content(replace(results, candidates=many), {}))
     assert len(data["sheets"]) == 40
     assert data["more"].startswith("159 further undecided places")
+
+
+def test_no_words_of_a_dig_sheet_are_smaller_than_a_wet_page_allows(report):
+    small = []
+
+    def note(text, matrix, place, _font, size):
+        scales = [abs(m[0] * m[3] - m[1] * m[2]) for m in (matrix, place)]
+        points = size * (scales[0] * scales[1]) ** 0.5
+        if text.strip() and points < 7.45:
+            small.append((round(points, 1), text))
+
+    for number in report.sheet_numbers:
+        report.reader.pages[number].extract_text(visitor_text=note)
+    assert not small
