@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import pytest
+from kept_window import kept_fixture, window_fixture
 from PySide6.QtCore import Qt
-from review_window import on_disk, press, review_window
+from review_window import on_disk, press, spread
 from small_survey import DURATION_S, RATE_HZ, SPEED_MPS
 
 from app.marking import REACTION_S, candidate_at
@@ -15,10 +16,13 @@ from widgets.candidate_row import CandidateFilter
 KEY, CONTROL, SHIFT = Qt.Key, Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 
 
+kept = kept_fixture(spread(5), size=(1366, 736))  # of a small laptop, less the title of the window
+window = window_fixture()
+
+
 @pytest.fixture
-def opened(qtbot, tmp_path):
-    with review_window(tmp_path, 5) as opened:
-        yield opened
+def opened(window, kept):
+    return window, kept.services.session
 
 
 @dataclass

@@ -1,10 +1,11 @@
 """Filter, progress, many at once and undo in the real window: list, views and disk agree, nothing jumps."""
 
 import pytest
+from kept_window import kept_fixture, window_fixture
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDoubleSpinBox, QLabel, QPushButton
-from review_window import on_disk, press, review_window
+from review_window import on_disk, press, spread
 
 from app.review_commands import WriteNote
 from app.settings import PreferencesStore
@@ -14,10 +15,13 @@ from widgets.candidate_row import CandidateFilter
 KEY, CONTROL, SHIFT = Qt.Key, Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 
 
+kept = kept_fixture(spread(9), size=(1366, 736))  # of a small laptop, less the title of the window
+window = window_fixture()
+
+
 @pytest.fixture
-def opened(qtbot, tmp_path):
-    with review_window(tmp_path, 9) as opened:
-        yield opened
+def opened(window, kept):
+    return window, kept.services.session
 
 
 def test_in_a_list_of_undecided_ones_the_next_one_comes_under_the_finger(opened):
