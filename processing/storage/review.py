@@ -241,6 +241,8 @@ class ReviewStore:
             if row is None:
                 raise KeyError(candidate_id)
             before, decision = self._candidate((candidate_id, row[1])), self.decision(candidate_id)
+            # first: told by numbers, the log must not end with a mark taken back that is there
+            self._withdraw(db, candidate_id, operator, withdrawn=True)
             stored = self._insert_manual(db, row[0], replace(moved, number=before.label))
             log(db, operator, Reason.ADD, stored.id, UNDECIDED, UNDECIDED)
             if decision != UNDECIDED:
@@ -250,7 +252,6 @@ class ReviewStore:
                 "INSERT INTO carried (from_id, to_id, by_hand) SELECT from_id, ?, by_hand FROM carried WHERE to_id = ?"
             )
             db.execute(sql, (stored.id, candidate_id))
-            self._withdraw(db, candidate_id, operator, withdrawn=True)
         return stored
 
     def swap_manual_candidates(self, present_id: int, withdrawn_id: int, operator: str) -> None:

@@ -325,6 +325,8 @@ def test_a_mark_that_a_new_path_moves_keeps_its_number_by_which_its_photos_are_k
     first = folder.review.add_run(Run(0, "", "hash-1"), [candidate(100), candidate(200)])
     mark = folder.review.add_manual_candidate(first.run, candidate(300), "Ayşe", Decision(Verdict.CONFIRMED))
     mark = folder.review.move_manual_candidate(mark.id, candidate(310), "Ayşe")
+    last = [(entry.reason, entry.candidate_id == mark.id) for entry in folder.review.decision_log()[-3:]]
+    assert last == [(Reason.WITHDRAW, False), (Reason.ADD, True), (Reason.CARRY, True)]  # told by number: it is there
     second = folder.review.add_run(
         Run(0, "", "hash-2"), [candidate(100), candidate(200)], relocate=lambda old: candidate(old.time_s, 330.0)
     )
