@@ -9,6 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 from processing import messages
+from processing.coordinates import is_local
 from processing.reporting.content import ReportContent
 from processing.reporting.files import whole_path
 from processing.reporting.handover.layers import Layers, has_elevation
@@ -108,7 +109,9 @@ def _system(content: ReportContent, layers: Layers, words: HandoverWords) -> lis
     if system.is_local:
         local = "readme_system_local" if is_heading_known(content.results) else "readme_system_turned"
         return [words(local, unit=unit), heights]
-    return [words("readme_system_told", crs=system.label, unit=unit), heights]
+    own = content.frame.grid
+    key = "readme_system_contract_local" if is_local(own) else "readme_system_contract"
+    return [words("readme_system_told", crs=system.label, unit=unit), words(key, crs=own), heights]
 
 
 def _columns(layers: Layers, words: HandoverWords) -> list[str]:

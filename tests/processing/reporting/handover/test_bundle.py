@@ -12,7 +12,7 @@ from processing.reporting.handover import drawing, geopackage
 from processing.reporting.handover.bundle import bundle_name
 from processing.reporting.options import FileKind
 from processing.review_facts import Photo, ReviewRecord
-from processing.survey import SurveyInfo
+from processing.survey import Launch, SurveyInfo
 
 
 def test_the_zip_holds_every_file_that_was_written_under_a_relative_name(hand_over, tmp_path):
@@ -142,3 +142,16 @@ def test_a_code_that_does_not_exist_is_refused(hand_over):
 
 def test_the_name_of_the_zip_carries_survey_run_and_date(results, decisions):
     assert bundle_name(make_content(results, decisions)) == "Çınar-Sokağı-2026-05-04-run-01234567.zip"
+
+
+@pytest.mark.parametrize(
+    ("launch", "told"),
+    [
+        (Launch(latitude=40.9, longitude=29.1), "they are metres east and north of the launch"),
+        (Launch(east_m=500_000.0, north_m=4_528_000.0, crs="EPSG:5254"), "are metres in EPSG:5254"),
+    ],
+)
+def test_the_readme_says_in_which_system_the_contracts_tables_are(hand_over, surveyed, launch, told):
+    changed = replace(surveyed, survey=replace(surveyed.survey, launch=launch))
+    folder, _ = hand_over(FileKind.KML, changed=changed, crs="EPSG:32635")
+    assert told in " ".join((folder / "README.txt").read_text(encoding="utf-8-sig").split())

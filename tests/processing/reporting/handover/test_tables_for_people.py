@@ -28,6 +28,7 @@ def test_a_turkish_excel_splits_the_table_and_reads_its_numbers(hand_over, decis
     assert one["Sınıf"] == "vana"
     assert one["Not"] == decisions[1].note
     assert rows[3]["Yalnızca sese göre kaçak olasılığı"] == ""
+    assert rows[2]["Gerideki en yakın bilinen yer"] == "bırakma"
     east = [row["Doğu (sağa) (m)"] for row in rows]
     assert all("." not in number and number.count(",") == 1 for number in east)
     stretches = excel(folder / "stretches-excel.csv", ";")
