@@ -61,7 +61,8 @@ class DigControl(QObject):
         self.ledger.changed.connect(self.show_marks)
         session.reviewer_changed.connect(self.show_marks)
         self.ledger.history_changed.connect(self._show_history)
-        session.survey_changed.connect(self._show_history)
+        for shown in (self._show_history, self._show_lines):  # not the form: somebody may be typing
+            session.survey_changed.connect(shown)
         session.decision_changed.connect(lambda _candidate: self._show_lines())
 
     def show_marks(self) -> None:

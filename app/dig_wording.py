@@ -10,6 +10,7 @@ from app.dig_answers import Figured, Missing
 from app.survey_session import SurveySession
 from processing import messages
 from processing.review_facts import DigFinding, DigHistory, DigResult
+from processing.stated import widened
 from processing.survey import StatedIntervals, Verdict
 from widgets.candidate_row import CandidateRow
 from widgets.dig_list import SIGNS, DigLine, Held
@@ -56,11 +57,15 @@ class DigWording(QObject):
     def lines(self, session: SurveySession, results: Mapping[int, DigResult]) -> list[DigLine]:
         """Return the lines of the list."""
         rows = {row.candidate.label: row for row in session.rows()}
-        return [self._line(number, rows.get(number), results.get(number)) for number in self.numbers(session, results)]
+        widen = session.survey.stated.widen
+        return [
+            self._line(number, rows.get(number), results.get(number), widen)
+            for number in self.numbers(session, results)
+        ]
 
-    def _line(self, number: int, row: CandidateRow | None, result: DigResult | None) -> DigLine:
+    def _line(self, number: int, row: CandidateRow | None, result: DigResult | None, widen: float) -> DigLine:
         told = quantities()
-        stated = place_text(row.candidate) if row is not None else "–"
+        stated = place_text(widened(row.candidate, widen)) if row is not None else "–"
         if result is None:
             return DigLine(number, row.name if row is not None else f"L{number}", stated, "–", "", Held.OPEN, "")
         if result.stated_chainage_m is not None:
@@ -124,7 +129,9 @@ class DigWording(QObject):
             return self.tr("{name}: a leak that had not been stated").format(name=name)
         if row is None:
             return self.tr("{name}: the present run has no such place any more").format(name=name)
-        return self.tr("{name}, stated at {place}").format(name=name, place=place_text(row.candidate))
+        return self.tr("{name}, stated at {place}").format(
+            name=name, place=place_text(widened(row.candidate, session.survey.stated.widen))
+        )
 
     def statement(self, statement: "Statement") -> str:
         """Return which report this is, and what it stated."""

@@ -294,6 +294,11 @@ def test_intervals_are_widened_only_by_hand_logged_and_undone(control, session, 
 
 def test_after_widening_a_dig_is_held_against_the_wider_statement(control, session):
     session.write_survey(replace(session.survey, stated=StatedIntervals(2.0, 12, "rolling/*/*/*")))
+    session.select(next(row.candidate.id for row in session.rows() if row.candidate.label == 2))
+    control.toggle()
+    assert "± 1.6 m" in control.page.form._title.text()  # as the report states it, before anybody has dug
+    (line,) = (line for line in control._words.lines(session, control.ledger.results) if line.number == 2)
+    assert line.stated.endswith("± 1.6 m")
     enter(control, 2, "1.5")
     found = on_disc(session)[2]
     assert (found.stated_low95_m, found.stated_high95_m) == (pytest.approx(38.4), pytest.approx(41.6))
