@@ -191,6 +191,8 @@ class MainWindow(QMainWindow):
         """Show ``start``, ``data``, ``path``, ``sound``, ``leaks``, ``report``, ``correlator`` or ``recording``."""
         if page in REVIEW_PAGES and self._session.results is None:
             page = "sound" if page == "sound" and self.first_sound.is_shown else "data"
+        if page == "report" and self.report.told_blind():  # its pages may show what the first reviewer said
+            page = "leaks"
         self.page = page
         if page in REVIEW_PAGES:
             self.review_page.arrange(page)

@@ -149,7 +149,7 @@ class ReportControl(QObject):
 
     def _export(self, language: str) -> None:
         results = self._session.results
-        if results is None or self._job is not None or self._told_blind():
+        if results is None or self._job is not None or self.told_blind():
             return
         self._keep_choices()
         fresh = self._session.writable and self._session.run is not None
@@ -164,7 +164,7 @@ class ReportControl(QObject):
 
         self._start(write, self.tr("Export"), lambda written: self._exported(target, written))
 
-    def _told_blind(self) -> bool:
+    def told_blind(self) -> bool:
         """Tell that there is no report during a second review: it would take the second one's verdicts for decided."""
         if self._session.reviewer:
             self.told.emit(self.tr("End the second review first (Ctrl+J): a report tells what was decided in the end."))
@@ -172,7 +172,7 @@ class ReportControl(QObject):
 
     def _make_pages(self, language: str) -> None:
         results = self._session.results
-        if results is None or self._job is not None or self._told_blind():
+        if results is None or self._job is not None or self.told_blind():
             return
         told, record, options = self._told(results), self._record(), self._options(language)
         decisions = self._session.decisions

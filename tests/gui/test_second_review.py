@@ -191,7 +191,8 @@ def test_the_blind_review_by_keys_hides_the_first_everywhere_and_ends_with_the_d
     press(window, KEY.Key_1)
     assert window.page == "gallery"
     assert [row.decision.verdict for row in grid._rows][:2] == [Verdict.CONFIRMED, Verdict.NONE]
-    window.show_page("report")
+    window.show_page("report")  # as the lights beside the steps lead there
+    assert window.page == "leaks"
     window.report.export()
     assert not services.jobs.running  # no report of what one of two says
     press(window, KEY.Key_J, CONTROL)
