@@ -1,6 +1,7 @@
 """Writing a file so that it is either whole or not there: aside first, then in place."""
 
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import TextIO
 def whole_file(path: Path) -> Iterator[TextIO]:
     """Open ``path`` for UTF-8 text with ``\\n`` line ends; it appears there only when all of it is on disk.
 
-    Undecodable bytes of an old file name become ``\\udcff``, as JSON writes them too. Two programs that write the same
+    Undecodable bytes of an old file name become ``\\udcff``, as JSON writes them too. Two jobs that write the same
     file do not meet: each has its own file aside, and the last one stays.
     """
     aside = aside_of(path)
@@ -27,7 +28,7 @@ def whole_file(path: Path) -> Iterator[TextIO]:
 
 def aside_of(path: Path) -> Path:
     """Return where a file is written before it takes its place."""
-    return path.with_name(f".{path.name[:200]}.{os.getpid()}.part")
+    return path.with_name(f".{path.name[:200]}.{os.getpid()}-{threading.get_ident()}.part")
 
 
 @contextmanager

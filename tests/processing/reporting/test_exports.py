@@ -2,6 +2,7 @@
 
 import csv
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 
 from processing.errors import ErrorCode, LeaklineError
 from processing.reporting.exports import write_exports
+from processing.reporting.files import whole_file
 from processing.survey import Launch
 
 COLUMNS = (
@@ -162,3 +164,19 @@ def test_a_place_that_the_operator_marked_has_no_probability_and_comes_last(resu
     text = "\n".join(page.extract_text() for page in pypdf.PdfReader(tmp_path / "report.pdf").pages)
     assert "marked by the operator" in text
     assert "nan" not in text
+
+
+def test_two_exports_of_one_program_into_one_folder_cost_each_other_nothing(tmp_path):
+    path = tmp_path / "leaks.csv"
+    with whole_file(path) as ours:
+        ours.write("ours")
+        with ThreadPoolExecutor(1) as other:
+            other.submit(_write_whole, path, "theirs").result(timeout=10)
+        assert path.read_text(encoding="utf-8") == "theirs"
+    assert path.read_text(encoding="utf-8") == "ours"
+    assert [file.name for file in tmp_path.iterdir()] == ["leaks.csv"]
+
+
+def _write_whole(path, text):
+    with whole_file(path) as file:
+        file.write(text)
