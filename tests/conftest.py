@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import sound_server as sound_server_helper
 from hypothesis import settings
+from pytestqt.qtbot import QtBot
 
 # set before Qt is first imported; a test that needs a real screen starts its own
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -20,7 +21,27 @@ settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("searching", deadline=None)
 settings.load_profile("same")
 
+PATIENCE_MS = 30_000
 ROOT = Path(__file__).resolve().parent.parent
+
+
+class PatientBot(QtBot):
+    """Waits as long as a busy machine with two processors may need: what comes at once is not waited for."""
+
+    def waitUntil(self, callback, *, timeout=PATIENCE_MS):  # noqa: N802 - the name that is there
+        super().waitUntil(callback, timeout=timeout)
+
+    def waitSignal(self, signal, *, timeout=PATIENCE_MS, **more):  # noqa: N802 - the name that is there
+        return super().waitSignal(signal, timeout=timeout, **more)
+
+    def waitSignals(self, signals, *, timeout=PATIENCE_MS, **more):  # noqa: N802 - the name that is there
+        return super().waitSignals(signals, timeout=timeout, **more)
+
+
+@pytest.fixture
+def qtbot(qapp, request):
+    """The usual one, but patient."""
+    return PatientBot(request)
 
 
 @pytest.fixture

@@ -87,7 +87,7 @@ def test_the_lights_follow_form_verdicts_and_exports(application, opened, qtbot)
         assert lights(window)["leaks"] is Light.YELLOW
         assert f"{left} of 4" in window.step_bar.light_button("leaks").toolTip()
         window.review.confirm()
-    qtbot.waitUntil(lambda: window.step_bar.light("leaks") is Light.GREEN, timeout=3000)  # by itself
+    qtbot.waitUntil(lambda: window.step_bar.light("leaks") is Light.GREEN)  # by itself
     window.review.undo()
     assert lights(window)["leaks"] is Light.YELLOW
     window.review.redo()

@@ -218,5 +218,5 @@ def test_the_tour_is_offered_once_takes_no_keyboard_and_is_called_again_by_key(a
     tour.show()
     before = bubble._anchor
     window.show_page("data")
-    qtbot.waitUntil(lambda: bubble._anchor is not before, timeout=3000)
+    qtbot.waitUntil(lambda: bubble._anchor is not before)
     assert bubble._anchor.objectName() == "tool_open"

@@ -66,7 +66,7 @@ def test_a_mark_made_while_listening_stops_nothing_and_is_before_the_cursor(open
     window, session = opened
     session.cursor.set_time(20.0)
     press(window, KEY.Key_Space)
-    qtbot.waitUntil(lambda: session.cursor.time_s > 21.0, timeout=5000)
+    qtbot.waitUntil(lambda: session.cursor.time_s > 21.0)
     press(window, KEY.Key_M)
     mark, now_s = session.row(session.selected), session.cursor.time_s
     assert mark.manual

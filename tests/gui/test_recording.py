@@ -56,7 +56,7 @@ class Bench:
         return self.laptop.recorder
 
     def wait(self):
-        self.qtbot.waitUntil(lambda: self.control._calls.idle, timeout=5000)
+        self.qtbot.waitUntil(lambda: self.control._calls.idle)
         self.qtbot.wait(1)
 
     def enter(self):
@@ -181,8 +181,8 @@ def test_blocks_reach_the_live_views(bench):
     bench.enter()
     for k in range(20):
         bench.recorder.feed.add(sound_block(800 * k), motion_block(0.1 * k))
-    bench.qtbot.waitUntil(lambda: bool(bench.page.spectrogram._ring and bench.page.strips._strips), timeout=5000)
-    bench.qtbot.waitUntil(lambda: bench.page.spectrogram._heard > 20, timeout=5000)
+    bench.qtbot.waitUntil(lambda: bool(bench.page.spectrogram._ring and bench.page.strips._strips))
+    bench.qtbot.waitUntil(lambda: bench.page.spectrogram._heard > 20)
     picture = bench.page.spectrogram
     heard = picture._tiles[~picture._is_gap]
     loudest = picture._edges[heard.max(axis=0).argmax()]
@@ -457,10 +457,10 @@ def test_a_view_that_stumbles_is_begun_anew_and_the_recording_goes_on(bench, mon
     bench.record()
     bad = dataclasses.replace(sound_block(0), frames=None)
     bench.recorder.feed.add(bad, sound_block(0))
-    bench.qtbot.waitUntil(lambda: bool(told), timeout=5000)
+    bench.qtbot.waitUntil(lambda: bool(told))
     for k in range(20):
         bench.recorder.feed.add(sound_block(800 * k))
-    bench.qtbot.waitUntil(lambda: bench.page.spectrogram._ring is not None, timeout=5000)
+    bench.qtbot.waitUntil(lambda: bench.page.spectrogram._ring is not None)
     assert bench.control.recording
     assert len(told) == 1
 
@@ -478,10 +478,10 @@ def test_a_listener_hears_every_block_until_it_has_had_enough(bench):
     end = bench.control.listen(heard.append)
     bench.enter()
     bench.recorder.feed.add(sound_block(0), motion_block(0.0))
-    bench.qtbot.waitUntil(lambda: len(heard) == 2, timeout=5000)
+    bench.qtbot.waitUntil(lambda: len(heard) == 2)
     end()
     bench.recorder.feed.add(sound_block(800))
-    bench.qtbot.waitUntil(lambda: not bench.recorder.feed.blocks, timeout=5000)
+    bench.qtbot.waitUntil(lambda: not bench.recorder.feed.blocks)
     bench.qtbot.wait(30)
     assert len(heard) == 2
     assert heard[0].first_frame == 0
@@ -496,6 +496,6 @@ def test_every_theme_draws_without_a_word(bench, theme, capsys):
     bench.recorder.change_sound(clipped=(True, False), **levels)
     bench.recorder.feed.add(*(sound_block(800 * k) for k in range(5)), *(motion_block(0.1 * k) for k in range(20)))
     bench.control.look()
-    bench.qtbot.waitUntil(lambda: bool(bench.page.strips._strips), timeout=5000)
+    bench.qtbot.waitUntil(lambda: bool(bench.page.strips._strips))
     bench.page.grab()
     assert capsys.readouterr().err == ""

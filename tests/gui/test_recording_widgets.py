@@ -250,7 +250,7 @@ def test_levels_lie_evenly_on_the_meter_and_a_click_clears_it(qtbot):
     left, right = (image.pixelColor(QPointF(meter.x_of(db), 10).toPoint()) for db in (-60.0, -15.0))
     assert left.green() > left.red()  # within the bar
     assert right.name() == LIGHT.canvas  # beyond it
-    with qtbot.waitSignal(meter.clear_asked, timeout=1000):
+    with qtbot.waitSignal(meter.clear_asked):
         QTest.mouseClick(meter, Qt.MouseButton.LeftButton)
 
 

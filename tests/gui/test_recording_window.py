@@ -36,7 +36,7 @@ def application(qapp, qtbot, tmp_path, laptop):
         recorder.change(state=RecordingState.STOPPED)
     if application.window.recording.control is not None:
         application.window.recording.control.look()
-        qtbot.waitUntil(lambda: not application.window.recording.recording, timeout=5000)
+        qtbot.waitUntil(lambda: not application.window.recording.recording)
     application.window.close()
     application.shut_down()
     application.window.deleteLater()
@@ -68,9 +68,9 @@ class Hand:
     def settle(self):
         control = self.window.recording.control
         if control is not None:
-            self.qtbot.waitUntil(lambda: control._calls.idle, timeout=5000)
+            self.qtbot.waitUntil(lambda: control._calls.idle)
             self.qtbot.wait(1)
-            self.qtbot.waitUntil(lambda: control._calls.idle, timeout=5000)
+            self.qtbot.waitUntil(lambda: control._calls.idle)
             self.qtbot.wait(1)
             control.look()
 
@@ -158,7 +158,7 @@ def test_closing_the_window_needs_a_second_time_and_stops_cleanly(window, hand, 
     assert window.isVisible()
     hand.later_s += 1.0
     window.close()
-    qtbot.waitUntil(lambda: not window.isVisible(), timeout=5000)
+    qtbot.waitUntil(lambda: not window.isVisible())
     assert laptop.recorder.asked[-2:] == ["stop", "close"]
 
 
@@ -177,7 +177,7 @@ def test_a_window_that_is_closed_while_a_recording_begins_closes_once_that_has_b
     window.close()
     assert window.isVisible()
     begins.set()
-    qtbot.waitUntil(lambda: not window.isVisible(), timeout=5000)
+    qtbot.waitUntil(lambda: not window.isVisible())
     assert laptop.recorder.asked == ["open", "begin", "stop", "close"]
 
 

@@ -149,7 +149,7 @@ def test_a_note_is_typed_with_all_letters_and_digits_and_changes_no_verdict(wind
     QTest.keyClicks(QApplication.focusWidget(), typed)
     QApplication.focusWidget().insertPlainText("ıİşğ")  # QTest knows only ASCII keys
     note = f"{typed}ıİşğ"
-    qtbot.waitUntil(lambda: session.decision(first).note == note, timeout=2000)
+    qtbot.waitUntil(lambda: session.decision(first).note == note)
     assert agree(window)[first] == Decision(note=note)
     press(window, KEY.Key_Return)
     assert not isinstance(QApplication.focusWidget(), QPlainTextEdit)

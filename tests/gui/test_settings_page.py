@@ -27,7 +27,7 @@ def application(qapp, qtbot, tmp_path):
     made = Application(qapp, preferences, None, lambda _rate_hz: CountingSink(), lambda: None)
     made.window.boxes = AnsweringBoxes()
     made.window.show()
-    qtbot.waitUntil(lambda: not made.services.jobs.running, timeout=5000)
+    qtbot.waitUntil(lambda: not made.services.jobs.running)
     made.window.work.settings.show()
     yield made
     made.window.close()
@@ -80,7 +80,7 @@ def test_language_units_and_theme_are_switched_at_once_and_the_page_stays_in_fro
     application.window.work.settings.came_from = "data"
     for name, value in (("language", "tr"), ("units", "us"), ("theme", "dark")):
         choose(application.window.work.settings, name, value)
-        qtbot.waitUntil(lambda: not application.services.jobs.running, timeout=5000)
+        qtbot.waitUntil(lambda: not application.services.jobs.running)
         assert application.window.page == "settings"
     settings = application.window.work.settings
     assert settings.panel.findChild(QPushButton, "settings_done").text().startswith("Geri")
