@@ -13,7 +13,7 @@ from processing.survey import Verdict
 from widgets.batch_reject import BatchReject, rejected_below
 from widgets.candidate_row import ORDERS, CandidateFilter
 from widgets.candidate_table import CandidateTable
-from widgets.vocabulary import verdict_text
+from widgets.vocabulary import number, verdict_text
 
 
 class ListControl(QObject):
@@ -137,7 +137,7 @@ class ListControl(QObject):
         """Reject what is undecided, shown and scored below ``score``, as one step of undo."""
         rows = rejected_below(self._session.list.shown(), score)
         if rows:
-            text = self.tr("reject {count} below {score}").format(count=len(rows), score=f"{score:.2f}")
+            text = self.tr("reject {count} below {score}").format(count=len(rows), score=number(score, 2))
             after = {row.candidate.id: replace(row.decision, verdict=Verdict.REJECTED) for row in rows}
             self._session.push(DecideMany(self._session, text, after))
 

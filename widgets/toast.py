@@ -48,6 +48,9 @@ class Toast(QLabel):
 
     def _place(self) -> None:
         parent = self._over
-        self.setMaximumWidth(parent.width() - 20)
-        self.adjustSize()
+        most = parent.width() - 20
+        self.setWordWrap(False)
+        wide = self.sizeHint().width() > most  # with large letters a sentence takes two lines
+        self.setWordWrap(wide)
+        self.resize(most, self.heightForWidth(most)) if wide else self.adjustSize()
         self.move((parent.width() - self.width()) // 2, max(0, parent.height() - self.height() - ABOVE_FOOT))

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from PySide6.QtCore import QLocale, Qt
-from PySide6.QtWidgets import QComboBox, QLabel, QSlider, QToolButton
+from PySide6.QtWidgets import QComboBox, QLabel, QSlider, QToolButton, QWidget
 
 from processing.survey import Candidate, Decision, LeakClass, Verdict
 from widgets.candidate_row import CandidateRow, sort_rows
@@ -13,6 +13,7 @@ from widgets.decision_panel import DecisionPanel
 from widgets.note_field import NoteField
 from widgets.playback_bar import PlaybackBar
 from widgets.plot_theme import LIGHT
+from widgets.toast import Toast
 from widgets.vocabulary import clock_text, number, place_text, verdict_icon, verdict_text
 
 
@@ -234,3 +235,20 @@ def test_why_nothing_can_be_heard_is_never_cut(qtbot, hint):
     bar.set_available("")
     assert not volume.isHidden()
     assert label.minimumWidth() == 0
+
+
+def test_a_toast_says_all_of_a_long_sentence_in_more_lines(qtbot):
+    page = QWidget()
+    qtbot.addWidget(page)
+    page.resize(300, 400)
+    toast = Toast(page)
+    page.show()
+    toast.tell("short")
+    one_line = toast.height()
+    words = "Nothing undecided is left in this list; undecided ones that the filter hides: 12"
+    toast.tell(words)
+    box = toast.fontMetrics().boundingRect(0, 0, toast.contentsRect().width(), 1000, Qt.TextFlag.TextWordWrap, words)
+    assert page.rect().contains(toast.geometry())
+    assert toast.height() >= box.height() > one_line / 2
+    assert toast.width() >= box.width()
+    toast.stop()
