@@ -1,5 +1,6 @@
 """One leak's page for the crew that digs: what is said, how sure it is, and whether to dig at all."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -162,13 +163,19 @@ def elevation(row: LeakRow, content: ReportContent, words: Words) -> str:
 
 def opinions(row: LeakRow, content: ReportContent, words: Words) -> str:
     """Return what each second reviewer says, and whether it differs."""
-    said = []
+    said, first = [], row.decision
+    if first.verdict is Verdict.CONFIRMED:  # then it matters what for, be it the machine who named it
+        first = replace(first, leak_class=row.leak_class)
     for opinion in content.record.opinions:
         if opinion.number == row.candidate.label and opinion.decision.verdict is not Verdict.NONE:
-            agrees = agree(row.decision, opinion.decision)
+            agrees = agree(first, opinion.decision)
             key = "opinion_agrees" if agrees else "opinion_differs"
             reviewer = words.name(opinion.reviewer, _NAME_CHARACTERS) or words("unknown")
-            text = words(key, reviewer=reviewer, verdict=verdict_word(opinion.decision.verdict, words))
+            said_class = opinion.decision.leak_class
+            verdict = verdict_word(opinion.decision.verdict, words)
+            if said_class is not None and said_class is not row.leak_class:
+                verdict = f"{verdict}, {words(f'class_{said_class.value}')}"
+            text = words(key, reviewer=reviewer, verdict=verdict)
             note = words.shortened(opinion.decision.note, 60)
             said.append(f"{text} ({note})" if note else text)
     return "; ".join(said[:3])

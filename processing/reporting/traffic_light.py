@@ -150,11 +150,17 @@ def _beside(candidate: Candidate, results: Results) -> list[TieCheck]:
 
 
 def _by_others(candidate: Candidate, decision: Decision, record: ReviewRecord) -> list[Cause]:
-    """Return what a second reviewer says against a verdict that allows to dig."""
+    """Return what a second reviewer says against a verdict that allows to dig: the verdict, or what it is taken for."""
     if decision.verdict is not Verdict.CONFIRMED:
         return []
     return [
         Cause(Light.YELLOW, "second_disagrees", texts={"reviewer": opinion.reviewer})
         for opinion in record.opinions
-        if opinion.number == candidate.label and opinion.decision.verdict not in (Verdict.NONE, Verdict.CONFIRMED)
+        if opinion.number == candidate.label and _is_against_digging(opinion.decision)
     ]
+
+
+def _is_against_digging(said: Decision) -> bool:
+    if said.verdict is Verdict.CONFIRMED:
+        return said.leak_class not in (None, LeakClass.LEAK, LeakClass.UNKNOWN)
+    return said.verdict is not Verdict.NONE

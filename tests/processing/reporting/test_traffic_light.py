@@ -6,7 +6,7 @@ import pytest
 
 from processing.position.tie_checks import TieCheck
 from processing.reporting.content import make_content
-from processing.reporting.dig_sheet import cause_sentence, rule
+from processing.reporting.dig_sheet import cause_sentence, opinions, rule
 from processing.reporting.options import ReportOptions
 from processing.reporting.references import Reference, Tape, tape
 from processing.reporting.traffic_light import BELL_HOLE_M, TAPE_REACH_M, Light, assess
@@ -160,3 +160,17 @@ def test_a_sure_reference_counts_where_a_nearer_one_is_vague(results):
     found = judged(results, tapes=tapes)
     assert found.light is Light.GREEN
     assert found.causes[-1].texts == {"name": "b"}
+
+
+@pytest.mark.parametrize(
+    ("said", "light"),
+    [(LeakClass.VALVE, Light.YELLOW), (LeakClass.LEAK, Light.GREEN), (None, Light.GREEN)],
+)
+def test_a_second_reviewer_who_takes_it_for_something_else_holds_up_the_dig(results, said, light):
+    opinion = Opinion(results.candidates[0].label, "Mehmet", Decision(Verdict.CONFIRMED, said))
+    record = ReviewRecord(opinions=(opinion,))
+    assert judged(results, record=record).light is light
+    by_machine = Decision(Verdict.CONFIRMED)  # the first one left the machine's class, a leak
+    (row, *_) = make_content(results, {results.candidates[0].id: by_machine}, record).rows[1:]
+    told = opinions(row, make_content(results, {}, record), Words(ReportOptions()))
+    assert ("DIFFERS: confirmed, valve" in told) is (light is Light.YELLOW)
