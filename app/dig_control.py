@@ -106,7 +106,7 @@ class DigControl(QObject):
         page.form.edited.connect(self._show_figured)
         page.form.save_asked.connect(self._save)
         page.form.clear_asked.connect(self._take_back)
-        page.form.photo_asked.connect(self.photo_asked)
+        page.form.photo_asked.connect(self._ask_photo)
 
     def stop(self) -> None:
         """Leave no work behind: the window closes."""
@@ -120,6 +120,15 @@ class DigControl(QObject):
         if row is not None:
             self._session.select(row.candidate.id)
         self._show_form()
+
+    def _ask_photo(self) -> None:
+        """Let a photo be attached to the leak in the form, which need not be the one that is selected in the list."""
+        row = None if self._number is None else self._words.row_of(self._session, self._number)
+        if row is None:
+            self.told.emit(self.tr("Save the dig first: a photo belongs to a leak that is on the list."))
+            return
+        self._session.select(row.candidate.id)
+        self.photo_asked.emit()
 
     def _begin_missed(self) -> None:
         self._number = MISSED

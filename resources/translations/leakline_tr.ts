@@ -2026,6 +2026,10 @@
         <translation>Önce ölçümü işleyin: kazı sonucu bir kaçağa yazılır.</translation>
     </message>
     <message>
+        <source>Save the dig first: a photo belongs to a leak that is on the list.</source>
+        <translation>Önce kazıyı kaydedin: fotoğraf, listedeki bir kaçağa aittir.</translation>
+    </message>
+    <message>
         <source>Saved: {what}</source>
         <translation>Kaydedildi: {what}</translation>
     </message>

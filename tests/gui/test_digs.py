@@ -362,3 +362,17 @@ def test_in_the_window_one_key_leads_to_the_digs_and_back_and_another_to_the_oth
         window.close()
         window.deleteLater()
         QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+
+
+def test_a_photo_of_a_leak_found_elsewhere_never_goes_to_the_leak_that_is_selected(control, session):
+    asked, told = [], []
+    control.photo_asked.connect(lambda: asked.append(session.row(session.selected).candidate.label))
+    control.told.connect(told.append)
+    control.toggle()
+    press(control, "dig_missed", "dig_photo")
+    assert asked == []
+    assert "Save the dig first" in told[-1]
+    control._choose(3)
+    session.select(session.ordered_ids()[0])  # the list of leaks has gone on since
+    press(control, "dig_photo")
+    assert asked == [3]
