@@ -64,7 +64,7 @@ class ViewMenus(QObject):
         if view is self._window.review_page.spectrogram:
             tools = self._window.review_page.spectrogram_tools.menu
             tools.setTitle(self.tr("Axes, colours"))
-            menu.addMenu(tools)
+            menu.addAction(tools.menuAction())  # after addMenu, PySide takes it away with this menu
         menu.addMenu(self._panels.menu(menu))
         menu.popup(view.mapToGlobal(place))
 

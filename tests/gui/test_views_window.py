@@ -124,6 +124,19 @@ def test_every_row_of_a_menu_is_an_action_of_the_table(open_window, monkeypatch)
     assert [action.text()[3:] for action in opened[-1][0].actions()] == [TITLES[n] for n in OF_PAGE["sound"]]
 
 
+def test_the_row_of_tools_lives_on_after_its_menu_was_shown_within_another(open_window, services, monkeypatch):
+    window = open_window()
+    monkeypatch.setattr(QMenu, "popup", lambda _menu, _place: None)
+    for _ in range(2):
+        window.review_page.spectrogram.customContextMenuRequested.emit(QPoint(40, 40))
+        window.work.views.menus.stop()
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+        for mode in (AxisMode.TIME, AxisMode.DISTANCE):
+            press(window, KEY.Key_D)
+            assert services.session.cursor.axis_mode is mode
+    assert window.review_page.spectrogram_tools.menu.actions()
+
+
 def test_each_page_hides_panels_of_its_own_and_the_lowest_plot_has_the_axis(open_window, services):
     window = open_window("sound")
     page, panels = window.review_page, window.work.views.panels
