@@ -19,6 +19,7 @@ from processing.survey import Decision, Verdict
 
 NOTE_CHARACTERS = 300  # what has room on the sheet; the whole note then stands in the appendix
 _NAME_CHARACTERS = 34
+_BOX_CHARACTERS = 24  # of one line in the box for a name
 _CAUSES_AT_MOST = 4
 
 
@@ -214,7 +215,7 @@ def dug_lines(dug: DigResult | None, words: Words) -> dict[str, str]:
         "depth": words.length(dug.depth_m, 2) if dug.depth_m is not None else "",
         "cause": words.shortened(dug.cause, 40),
         "date": words.quantities.day(dug.date),
-        "name": words.shortened(dug.dug_by or dug.operator, _NAME_CHARACTERS),
+        "name": words.shortened(dug.dug_by or dug.operator, _BOX_CHARACTERS),
     }
 
 

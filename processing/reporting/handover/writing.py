@@ -66,7 +66,10 @@ def write_handover(
     for i, kind in enumerate(kinds):
         progress.update(0.8 * i / max(len(kinds), 1), "handing_over")
         why = _left_out(kind, content, system)
-        done += Written((), (why,)) if why is not None else _guarded(FILE_NAMES[kind], partial(job.write, kind))
+        if why is None:
+            done += _guarded(FILE_NAMES[kind], partial(job.write, kind))
+        elif why not in done.findings:  # one reason for many files is told once
+            done += Written((), (why,))
     done += _photos(content, folder)
     done += _guarded(readme.FILE_NAME, lambda: job.write_readme(contract, done))
     if options.as_zip:

@@ -61,7 +61,7 @@ def test_leaks_without_a_place_stand_in_the_table_all_the_same(hand_over, survey
     rows = excel(folder / "leaks-excel.csv", ",")
     assert [row["No."] for row in rows] == ["2", "1", "3", "17"]
     assert {row["Distance along the pipe from the launch (m)"] for row in rows} == {""}
-    assert {finding.code for finding in written.findings} == {"handover_no_path"}
+    assert [finding.code for finding in written.findings] == ["handover_no_path"]  # five map files, one reason
     assert not (folder / "survey.gpkg").exists()
 
 
