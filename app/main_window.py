@@ -178,7 +178,7 @@ class MainWindow(QMainWindow):
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         application.focusChanged.connect(self._on_focus)
-        jobs.start(
+        self._looking = jobs.start(
             lambda _progress: self._services.why_silent() or "",
             title=self.tr("Looking for a sound card"),
             on_success=self.player.set_unavailable,
@@ -363,6 +363,7 @@ class MainWindow(QMainWindow):
             return
         self.recording.stop()
         self.review_page.decision.flush()
+        self._looking.forget_callbacks()  # with another language the player goes with this window
         self.player.stop()
         self.spectrum.forget()
         self.evidence.stop()

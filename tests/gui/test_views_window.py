@@ -1,19 +1,16 @@
 """The linked views in the whole window: measuring by keys, menus, panels, full screen, and where one left off."""
 
 import pytest
-from answering import AnsweringBoxes, CountingSink
+from kept_window import kept_fixture, window_fixture
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QToolButton
-from small_survey import SPEED_MPS, make_folder, make_results
+from review_window import press, review_window
+from small_survey import SPEED_MPS
 
 from app.actions import ACTIONS
-from app.jobs import Jobs
-from app.main_window import MainWindow
 from app.page_panels import OF_PAGE, TITLES
-from app.services import Services
 from app.settings import PreferencesStore
-from app.survey_session import SurveySession
 from app.view_menus import PLAN, SOUND, STRIP
 from processing.storage.folder import SurveyFolder
 from widgets.time_axis import AxisMode
@@ -21,40 +18,26 @@ from widgets.time_axis import AxisMode
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
 
 
-@pytest.fixture
-def services(qapp, tmp_path):
-    preferences = PreferencesStore(tmp_path / "preferences.json")
-    services = Services(SurveySession(), Jobs(), preferences, None, lambda _rate: CountingSink(), lambda: None)
-    services.session.open(make_folder(tmp_path))
-    services.session.set_results(make_results(services.session.folder))
-    yield services
-    services.jobs.stop_all()
-    services.session.close()
+kept = kept_fixture(size=(1366, 768))
+window = window_fixture()
 
 
 @pytest.fixture
-def open_window(qtbot, services):
+def services(kept):
+    return kept.services
+
+
+@pytest.fixture
+def open_window(window, services):
+    """Opens the kept window on a page, all in its place."""
+
     def opened(page="sound"):
-        window = MainWindow(services, "en")
-        window.boxes = AnsweringBoxes()
-        window.resize(1366, 768)
+        window.work.views.reset_layout()
         window.show_page(page)
-        window.show()
-        qtbot.waitUntil(lambda: not services.jobs.running)
         window.review_page.focus_views()
-        windows.append(window)
         return window
 
-    windows = []
-    yield opened
-    for window in windows:
-        window.close()
-        window.deleteLater()
-    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
-
-
-def press(window, key, modifier=MODIFIER.NoModifier):
-    QTest.keyClick(QApplication.focusWidget() or window, key, modifier)
+    return opened
 
 
 def test_a_length_is_measured_by_keys_told_and_removed_by_escape(open_window, services):
@@ -84,24 +67,31 @@ def test_a_length_is_measured_by_keys_told_and_removed_by_escape(open_window, se
     assert not cursor.ruler.tool
 
 
-def test_another_start_has_the_range_that_keys_moved_and_the_tab_of_each_page(open_window, services):
-    window = open_window()
-    spectrogram, tools = window.review_page.spectrogram, window.review_page.tools
-    low, high = spectrogram.fixed_range
-    press(window, KEY.Key_Down, MODIFIER.ControlModifier)
-    press(window, KEY.Key_PageUp, MODIFIER.ControlModifier)
-    assert spectrogram.fixed_range == (low - 3.0, high + 3.0)
-    kept = PreferencesStore(services.preferences.file).values.sound_view["levels_db"]
-    assert kept == f"{low - 3.0:.1f} {high + 3.0:.1f}"
-    tools.choose("bands")
-    window.show_page("leaks")
-    tools.choose("why")
-    window.close()
-    page = open_window("leaks").review_page
-    assert page.spectrogram.db_range == (low - 3.0, high + 3.0)
-    assert page.tools.is_in_front("why")
-    page.arrange("sound")
-    assert page.tools.is_in_front("bands")
+def test_another_start_has_the_range_that_keys_moved_and_the_tab_of_each_page(qtbot, tmp_path):
+    file = tmp_path / "preferences.json"
+    for place in ("first", "second"):
+        (tmp_path / place).mkdir()
+    with review_window(tmp_path / "first", 4, preferences=PreferencesStore(file)) as (window, _session):
+        spectrogram, tools = window.review_page.spectrogram, window.review_page.tools
+        window.show_page("sound")
+        window.activateWindow()
+        qtbot.waitUntil(window.isActiveWindow)
+        window.review_page.focus_views()
+        low, high = spectrogram.fixed_range
+        press(window, KEY.Key_Down, MODIFIER.ControlModifier)
+        press(window, KEY.Key_PageUp, MODIFIER.ControlModifier)
+        assert spectrogram.fixed_range == (low - 3.0, high + 3.0)
+        kept = PreferencesStore(file).values.sound_view["levels_db"]
+        assert kept == f"{low - 3.0:.1f} {high + 3.0:.1f}"
+        tools.choose("bands")
+        window.show_page("leaks")
+        tools.choose("why")
+    with review_window(tmp_path / "second", 4, preferences=PreferencesStore(file)) as (window, _session):
+        page = window.review_page
+        assert page.spectrogram.db_range == (low - 3.0, high + 3.0)
+        assert page.tools.is_in_front("why")
+        page.arrange("sound")
+        assert page.tools.is_in_front("bands")
 
 
 def test_every_row_of_a_menu_is_an_action_of_the_table(open_window, monkeypatch):

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import threading
 
 import pytest
 from answering import AnsweringBoxes, CountingSink
@@ -11,7 +12,11 @@ from PySide6.QtWidgets import QApplication, QPushButton, QToolButton
 from small_survey import make_folder, make_results
 
 from app.application import Application
+from app.jobs import Jobs
+from app.main_window import MainWindow
+from app.services import Services
 from app.settings import PreferencesStore
+from app.survey_session import SurveySession
 from processing.storage.folder import SurveyFolder
 from processing.survey import Severity, Verdict
 from widgets.findings_panel import severity_pixmap
@@ -126,6 +131,21 @@ def test_a_fault_of_ours_is_told_once_and_the_review_goes_on(application, opened
     first = opened.selected
     window.review.confirm()
     assert opened.decision(first).verdict is Verdict.CONFIRMED
+
+
+def test_a_sound_card_that_is_found_late_finds_no_window_that_is_gone(qapp, qtbot, tmp_path):
+    go = threading.Event()
+    preferences = PreferencesStore(tmp_path / "preferences.json")
+    services = Services(SurveySession(), Jobs(), preferences, None, make_sink, lambda: None if go.wait(20.0) else "")
+    window = MainWindow(services, "en")
+    with qtbot.captureExceptions() as caught:
+        window.close()  # as when the language changes in the first second
+        window.deleteLater()
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+        go.set()
+        qtbot.waitUntil(lambda: not services.jobs.running)
+    assert caught == []
+    services.jobs.stop_all()
 
 
 def test_a_job_that_stumbles_is_told_by_the_guard(application, opened, qtbot, caplog):

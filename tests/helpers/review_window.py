@@ -38,10 +38,10 @@ def review_window(place, count, *, preferences=None):
     try:
         yield window, services.session
     finally:
+        services.jobs.stop_all()  # nothing comes to a window that is gone
         window.close()
         window.deleteLater()
         QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
-        services.jobs.stop_all()
         services.session.close()
 
 
