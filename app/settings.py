@@ -6,7 +6,9 @@ It holds looks and habits only; nothing of a survey. A missing or damaged file m
 import dataclasses
 import json
 import logging
+import math
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,19 @@ import platformdirs
 log = logging.getLogger(__name__)
 
 MAX_RECENT = 40  # the start page searches among them
+
+
+# what a value must be where not every text or number of its kind is one
+ALLOWED: dict[str, Callable[[Any], bool]] = {
+    "theme": ("light", "sun", "dark").__contains__,
+    "language": ("", "en", "tr").__contains__,
+    "report_language": ("", "en", "tr").__contains__,
+    "units": ("metric", "us").__contains__,
+    "places": ("chainage", "stationing").__contains__,
+    "text_scale": lambda value: not isinstance(value, bool) and 100 <= value <= 200,
+    "volume": lambda value: math.isfinite(value) and 0.0 <= value <= 1.0,
+    "play_slow": (1, 2, 4).__contains__,
+}
 
 
 @dataclass
@@ -88,12 +103,17 @@ class PreferencesStore:
         if not isinstance(found, dict):
             return defaults
         kept = {k: v for k, v in found.items() if k in known and isinstance(v, type(known[k]))}
-        kept["recent"] = [r for r in kept.get("recent", []) if isinstance(r, str)][:MAX_RECENT]
-        kept["pinned"] = [r for r in kept.get("pinned", []) if isinstance(r, str)][:MAX_RECENT]
-        kept["recent_crs"] = [c for c in kept.get("recent_crs", []) if isinstance(c, str)][:MAX_RECENT]
+        kept = {k: v for k, v in kept.items() if k not in ALLOWED or ALLOWED[k](v)}
+        for name in ("recent", "pinned", "recent_crs"):
+            kept[name] = [text for text in kept.get(name, []) if text and _is_text(text)][:MAX_RECENT]
         for name in ("splitters", "sound_view", "recording", "company", "handover", "layout"):
-            kept[name] = {k: v for k, v in kept.get(name, {}).items() if isinstance(v, str)}
+            kept[name] = {k: v for k, v in kept.get(name, {}).items() if _is_text(v)}
         return Preferences(**kept)
+
+
+def _is_text(value: object) -> bool:
+    """Tell whether this is a text that may also name a file: the system's calls refuse a zero in one."""
+    return isinstance(value, str) and "\0" not in value
 
 
 def config_folder() -> Path:
