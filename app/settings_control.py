@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 PAGE = "settings"
 REMADE = ("units", "places")  # every widget writes lengths: the window is made again
 KEPT_AT_RESET = (
-    "language", "recent", "pinned", "recent_crs", "company", "operator", "reviewer", "report_language", "recording", "handover",
-    "correlator_folder",
+    "language", "recent", "pinned", "recent_crs", "company", "operator", "reviewer", "report_language", "recording",
+    "handover", "correlator_folder",
 )  # fmt: skip
 
 

@@ -188,8 +188,8 @@ class ReportPanel(QWidget):
 
     def set_exports(self, exports: Sequence[PastExport]) -> None:
         """Show the exports made so far, newest first."""
+        self._exports.clear()  # it tells of rows while they go
         self._past = tuple(exports)
-        self._exports.clear()
         for export in exports:
             item = QListWidgetItem(export.text)
             item.setSizeHint(QSize(0, ROW_HEIGHT))
@@ -275,8 +275,8 @@ class ReportPanel(QWidget):
         self.open_report_asked.emit("" if chosen is None else chosen.name)
 
     def _chosen(self) -> PastExport | None:
-        item = self._exports.currentItem()
-        return None if item is None else self._past[self._exports.row(item)]
+        row = self._exports.currentRow()
+        return self._past[row] if 0 <= row < len(self._past) else None
 
     def _show_openable(self) -> None:
         chosen = self._chosen()

@@ -16,7 +16,7 @@ from processing.quantities import Units
 from processing.reporting.options import ColumnScheme, FileKind, HandoverOptions
 from processing.survey import Decision, Launch, Verdict
 from widgets.handover_form import HandoverForm
-from widgets.report_panel import ReportPanel
+from widgets.report_panel import PastExport, ReportPanel
 
 LEFT = Qt.MouseButton.LeftButton
 A_DEADLINE = 20_000
@@ -183,3 +183,18 @@ def test_the_draft_warning_leads_to_what_is_undecided_and_goes_with_the_last(app
     opened.write_decision(ids[-1], Decision(Verdict.REJECTED), "decide")
     window.show_page("report")
     assert not button.isVisible()
+
+
+def test_exports_of_a_survey_that_closes_leave_the_list_without_a_stumble(qtbot):
+    panel = ReportPanel("en")
+    qtbot.addWidget(panel)
+    panel.show()
+    exports = [PastExport(name, name, has_report=True) for name in "ab"]
+    listed = panel.findChild(QListWidget, "exports_so_far")
+    for left in ([], exports[:1]):
+        panel.set_exports(exports)
+        assert listed.currentRow() == 0
+        with qtbot.captureExceptions() as stumbled:
+            panel.set_exports(left)
+        assert not stumbled
+        assert listed.count() == len(left)

@@ -130,13 +130,16 @@ def test_nothing_is_made_anew_while_work_is_in_progress(control):
 
 
 def test_reset_keeps_names_and_surveys(control):
-    control._preferences.change(operator="A", recent=["/a"], units="us", company={"name": "C"}, layout={"a": "b"})
+    control._preferences.change(
+        operator="A", recent=["/a"], pinned=["/b"], units="us", company={"name": "C"}, layout={"a": "b"}
+    )
     control.panel.reset_asked.emit()
     assert control._preferences.values.units == "us"  # Escape
     control.boxes.answer = "reset"
     control.panel.reset_asked.emit()
     values = control._preferences.values
-    assert (values.operator, values.recent, values.company) == ("A", ["/a"], {"name": "C"})
+    assert (values.operator, values.recent, values.pinned) == ("A", ["/a"], ["/b"])
+    assert values.company == {"name": "C"}
     assert (values.units, values.layout) == (Preferences().units, {})
     assert control.asked == ["light", "en"]
 
