@@ -10,7 +10,15 @@ from processing.reporting.content import LeakRow, ReportContent
 from processing.reporting.listing import coordinate_lines, status
 from processing.reporting.marks import VERDICT_COLOURS
 from processing.reporting.qr import geo_link
-from processing.reporting.references import LAUNCH, Reference, Tape, is_heading_known, nearest_tapes
+from processing.reporting.references import (
+    LAUNCH,
+    Reference,
+    Tape,
+    covariance,
+    ellipse,
+    is_heading_known,
+    nearest_tapes,
+)
 from processing.reporting.traffic_light import BELL_HOLE_M, REFERENCE_95_M, TAPE_REACH_M, Assessment, Cause, assess
 from processing.reporting.words import Words
 from processing.review_facts import DigResult
@@ -42,13 +50,21 @@ def sheet(row: LeakRow, content: ReportContent, words: Words, known: tuple[Refer
         "window": words("window_value", span=words.span(c.chainage_low95_m, c.chainage_high95_m)) if placed else "",
         "light": light(assessment, words),
         "tapes": [tape_row(tape, words) for tape in tapes],
-        "coordinates": coordinate_lines(row, content, words),
+        "coordinates": [*coordinate_lines(row, content, words), *coordinates_off(row, content, words)],
         "geo": geo_link(row.latitude, row.longitude) if geographic else "",  # type: ignore[arg-type]
         "no_geo": "" if geographic else why_no_code(row, content, words),
         "facts": facts(row, content, words),
         "dug": dug_lines(content.record.digs.get(c.label), words),
         "photo_caption": photo_caption(row, content, words),
     }
+
+
+def coordinates_off(row: LeakRow, content: ReportContent, words: Words) -> list[str]:
+    """Return how far off coordinates may be, the longer half axis of the 95 % ellipse; nothing where there are none."""
+    cov = covariance(row.candidate, content.results)
+    if cov is None or not is_heading_known(content.results):
+        return []
+    return [words("coordinates_off", off=words.plus_minus(ellipse(cov).major_m))]
 
 
 def why_no_code(row: LeakRow, content: ReportContent, words: Words) -> str:

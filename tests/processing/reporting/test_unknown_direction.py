@@ -5,6 +5,7 @@ import json
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from processing.reporting.content import make_content
@@ -67,3 +68,11 @@ def test_a_leak_without_a_place_on_the_map_does_not_blame_the_launch(results):
         )
     )["sheets"]
     assert "the launch has no coordinates" in nowhere["no_geo"]
+
+
+def test_coordinates_are_told_with_how_far_off_they_may_be(results):
+    count = results.track.time_s.size
+    known = replace(results, track=replace(results.track, cov_level_m2=np.tile([4.0, 0.0, 9.0], (count, 1))))
+    thin = tuple(replace(c, chainage_low95_m=c.chainage_m, chainage_high95_m=c.chainage_m) for c in known.candidates)
+    for page in page_data(make_content(replace(known, candidates=thin), {}))["sheets"]:
+        assert "± 7.3 m (95 %)" in page["coordinates"][-1]  # 2.4477 times 3 m, by chi-squared of two
