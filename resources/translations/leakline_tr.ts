@@ -2078,7 +2078,7 @@
     </message>
     <message>
         <source>By chainage</source>
-        <translation>Mesafeyle</translation>
+        <translation>Hat metresiyle</translation>
     </message>
     <message>
         <source>By coordinates</source>
