@@ -16,6 +16,7 @@ from widgets.time_cursor import TimeCursor
 from widgets.units import quantities
 
 SIGMAS_95 = 1.96
+NARROW_LETTERS = 36  # beside the leaks' plan: with the values beside it half of the profile's width was theirs
 
 
 class ProfileView(CurvePlot):
@@ -64,6 +65,19 @@ class ProfileView(CurvePlot):
             self._show_columns(self._band_item, low, high, band)
         self._show_curve(self._up_item, self._up, self._theme.curve, 1.3)
 
+    def plot_rect(self) -> QRectF:
+        """Return where data are drawn: in a narrow view nearly all of it, with the values over the curve if they fit."""
+        rect = QRectF(super().plot_rect())
+        if self._is_narrow():
+            rect.setRight(max(rect.left() + 1.0, self.width() - self._theme.metrics().horizontalAdvance("0 m") - 8))
+        return rect
+
+    def _value_rect(self) -> QRectF:
+        return self.plot_rect().adjusted(2.0, 0.0, 0.0, 0.0) if self._is_narrow() else super()._value_rect()
+
+    def _is_narrow(self) -> bool:
+        return self.width() < NARROW_LETTERS * self._theme.metrics().horizontalAdvance("0")
+
     def _axis_name(self) -> str:
         return self.tr("elevation ({unit})").format(unit=quantities().length_unit)
 
@@ -87,8 +101,11 @@ class ProfileView(CurvePlot):
             return
         unit = quantities().length_unit
         up, high = self._up.value_at_cursor(self._cursor), self._high.value_at_cursor(self._cursor)
-        self._paint_value(painter, rect, 0, self._value_text(up, 2, unit), self._theme.curve)
-        self._paint_value(painter, rect, 1, "± " + self._value_text(high - up, 2, unit), self._theme.text)
+        height, interval = self._value_text(up, 2, unit), "± " + self._value_text(high - up, 2, unit)
+        if self._is_narrow() and self._theme.metrics().horizontalAdvance(interval) > rect.width() - 4.0:
+            return  # half a number would be worse than none
+        self._paint_value(painter, rect, 0, height, self._theme.curve)
+        self._paint_value(painter, rect, 1, interval, self._theme.text)
 
     def _readout(self, place: QPointF) -> Readout:
         base = super()._readout(place)
