@@ -66,7 +66,7 @@ class ProfileView(CurvePlot):
         self._show_curve(self._up_item, self._up, self._theme.curve, 1.3)
 
     def plot_rect(self) -> QRectF:
-        """Return where data are drawn: in a narrow view nearly all of it, with the values over the curve if they fit."""
+        """Return where data are drawn: nearly all of a narrow view, with the values over the curve if they fit."""
         rect = QRectF(super().plot_rect())
         if self._is_narrow():
             rect.setRight(max(rect.left() + 1.0, self.width() - self._theme.metrics().horizontalAdvance("0 m") - 8))
