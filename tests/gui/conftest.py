@@ -7,6 +7,27 @@ from PySide6.QtCore import QEvent, QTimer
 from PySide6.QtWidgets import QApplication
 
 
+def _with_quantities_put_back():
+    application = QApplication.instance()
+    before = None if application is None else application.property("leakline_quantities")
+    yield
+    application = QApplication.instance()
+    if application is not None:
+        application.setProperty("leakline_quantities", before)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def quantities_of_a_module_put_back():
+    """Let no module's windows leave their language or units to the next module."""
+    yield from _with_quantities_put_back()
+
+
+@pytest.fixture(autouse=True)
+def quantities_put_back(quantities_of_a_module_put_back):
+    """Let no test leave its language or units to the next one."""
+    yield from _with_quantities_put_back()
+
+
 @pytest.fixture(autouse=True)
 def nothing_left_behind(request):
     """Fail the test that leaves a visible window, a running timer of ours or a thread behind."""
