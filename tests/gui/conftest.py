@@ -3,14 +3,18 @@
 import threading
 
 import pytest
-from PySide6.QtCore import QEvent, QTimer
+from PySide6.QtCore import QEvent, QLocale, QTimer
 from PySide6.QtWidgets import QApplication
+
+FIRST_LOCALE = QLocale()  # before any test has chosen another
 
 
 def _with_quantities_put_back():
     application = QApplication.instance()
     before = None if application is None else application.property("leakline_quantities")
+    locale = QLocale()
     yield
+    QLocale.setDefault(locale)
     application = QApplication.instance()
     if application is not None:
         application.setProperty("leakline_quantities", before)
@@ -18,7 +22,11 @@ def _with_quantities_put_back():
 
 @pytest.fixture(autouse=True, scope="module")
 def quantities_of_a_module_put_back():
-    """Let no module's windows leave their language or units to the next module."""
+    """Let no module's windows leave their language or units to the next module, nor tests of other folders theirs."""
+    QLocale.setDefault(FIRST_LOCALE)
+    application = QApplication.instance()
+    if application is not None:
+        application.setProperty("leakline_quantities", None)
     yield from _with_quantities_put_back()
 
 
